@@ -1,0 +1,100 @@
+"""The command `foggy`: finds the word, lets its stage parse the rest, and turns errors into one message."""
+
+import argparse
+import importlib
+import sys
+import textwrap
+from pathlib import Path
+
+from foggy_synscapes import __version__
+from foggy_synscapes.errors import FoggyError, UsageError
+
+# Word, module below foggy_synscapes.stages, what it does. The first group is the pipeline, in its order.
+PIPELINE = {
+    "scenes": "render the stand-in data in the real layouts, and list what each dataset holds",
+    "filter": "keep frames by their metadata",
+    "fog": "estimate the atmospheric light and render fog; alone: fog on any RGB and depth",
+    "subset": "list the images and labels that a row trains on",
+    "train": "train or fine-tune a network on a list",
+    "evaluate": "score a model on a test set; alone: score any PNG predictions",
+    "tables": "make the mIoU tables (CSV, LaTeX, Markdown); alone: the published ones",
+    "figures": "draw the figures",
+}
+TOOLS = {
+    "networks": "show the networks at their published size",
+    "params": "check a params file",
+    "trace": "show what a result was made from, down to the raw data",
+    "unpack": "unpack fog shards into folders",
+    "verify": "hash results again and compare with their run records",
+}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one command line; return 0 for good, 1 where the work failed, 2 where the call was wrong."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    words = {**PIPELINE, **TOOLS}
+    word = arguments[0] if arguments else "--help"
+    if word in ("-h", "--help", "help"):
+        print(_explanation())
+        return 0
+    if word == "--version":
+        print(f"foggy {__version__}")
+        return 0
+    if word not in words:
+        return _fail(UsageError(f"foggy {word}: no such command; there are {', '.join(words)}. Try `foggy --help`."))
+    stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
+    parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
+    parser.add_argument(
+        "--params", type=Path, default=Path("params.yaml"), metavar="FILE", help="params file (default: params.yaml)"
+    )
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    stage.arguments(parser)
+    try:
+        options = parser.parse_args(arguments[1:])
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        stage.run(options)
+    except FoggyError as error:
+        if options.debug:
+            raise
+        return _fail(error, word)
+    except BrokenPipeError:
+        # The reader of our output (such as `head`) has gone; that is its good right.
+        sys.stderr.close()
+        return 0
+    except KeyboardInterrupt:
+        print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)
+        return 1
+    except MemoryError as error:
+        if options.debug:
+            raise
+        return _fail(FoggyError(f"not enough memory: {error}. Use fewer --jobs, or smaller shards or batches."), word)
+    return 0
+
+
+def _fail(error: FoggyError, word: str = "") -> int:
+    print(f"foggy {word}: {error}" if word else str(error), file=sys.stderr)
+    return 2 if isinstance(error, UsageError) else 1
+
+
+def _explanation() -> str:
+    lines = [
+        "foggy COMMAND [options]: fog on street scenes, networks trained on it, and the tables of their scores.",
+        "",
+        "The whole experiment:    snakemake --cores 2    or    dvc repro",
+        "Fog on your own frames:  foggy fog --synscapes ROOT --beta 0.01 --out DIR",
+        "",
+        "Steps of the experiment, in order:",
+        *(_entry(word, text) for word, text in PIPELINE.items()),
+        "",
+        "Tools:",
+        *(_entry(word, text) for word, text in TOOLS.items()),
+        "",
+        "foggy COMMAND --help shows its options and their units.",
+    ]
+    return "\n".join(lines)
+
+
+def _entry(word: str, text: str) -> str:
+    return textwrap.fill(text, 100, initial_indent=f"  {word:<10}", subsequent_indent=" " * 12)

@@ -1,0 +1,52 @@
+"""Cityscapes on disk: `leftImg8bit`, `gtFine`, `disparity` and `camera`, by split and city.
+
+A frame is named by split and stem, e.g. `train/aachen/aachen_000000_000019`.
+"""
+
+from collections.abc import Iterable
+
+IMAGE = "leftImg8bit/{frame}_leftImg8bit.png"
+LABELS = "gtFine/{frame}_gtFine_labelIds.png"
+INSTANCES = "gtFine/{frame}_gtFine_instanceIds.png"
+DISPARITY = "disparity/{frame}_disparity.png"
+CAMERA = "camera/{frame}_camera.json"
+
+
+def image(frame: str) -> str:
+    """Path of the image below the root."""
+    return IMAGE.format(frame=frame)
+
+
+def labels(frame: str) -> str:
+    """Path of the labelIds below the root."""
+    return LABELS.format(frame=frame)
+
+
+def instances(frame: str) -> str:
+    """Path of the instance ids below the root."""
+    return INSTANCES.format(frame=frame)
+
+
+def disparity(frame: str) -> str:
+    """Path of the 16-bit disparity, (value - 1) / 256 pixels, 0 where missing, below the root."""
+    return DISPARITY.format(frame=frame)
+
+
+def camera(frame: str) -> str:
+    """Path of the camera file below the root."""
+    return CAMERA.format(frame=frame)
+
+
+def frames(paths: Iterable[str], split: str) -> list[str]:
+    """Frames of a split that have an image among the paths below the root, sorted."""
+    before, after = "leftImg8bit/", "_leftImg8bit.png"
+    return sorted(
+        path[len(before) : -len(after)]
+        for path in paths
+        if path.startswith(f"{before}{split}/") and path.endswith(after)
+    )
+
+
+def pairs(paths: Iterable[str], split: str = "val") -> list[tuple[str, str]]:
+    """(image, labelIds) paths below the root of every frame of a split."""
+    return [(image(frame), labels(frame)) for frame in frames(paths, split)]

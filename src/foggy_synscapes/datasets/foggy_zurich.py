@@ -1,0 +1,36 @@
+"""Foggy Zurich on disk: `RGB/SEQ/ID.png`, `gt_labelIds/SEQ/ID.png`, `gt_labelTrainIds/SEQ/ID.png`, and lists.
+
+Its ground truth has no train class. testv2 names 40 images, testv1 16.
+Source: Dai, Sakaridis, Hecker and Van Gool, Curriculum Model Adaptation, IJCV 2020.
+"""
+
+from pathlib import Path
+
+from foggy_synscapes.datasets.lists import paired, read_list
+
+
+def image(name: str) -> str:
+    """Path of an image, e.g. of `GP010229/1508040913.0_frame_000955`, below the root."""
+    return f"RGB/{name}.png"
+
+
+def labels(name: str) -> str:
+    """Path of the labelIds below the root."""
+    return f"gt_labelIds/{name}.png"
+
+
+def train_labels(name: str) -> str:
+    """Path of the trainIds below the root."""
+    return f"gt_labelTrainIds/{name}.png"
+
+
+def list_path(kind: str, version: str = "testv2") -> str:
+    """Path of the list of RGB, gt_labelIds or gt_labelTrainIds files below the root."""
+    return f"lists_file_names/{kind}_{version}_filenames.txt"
+
+
+def pairs(root: str | Path, version: str = "testv2") -> list[tuple[str, str]]:
+    """(image, labelIds) paths below the root, as the dataset's own lists pair them."""
+    root = Path(root)
+    images, maps = (read_list(root / list_path(kind, version)) for kind in ("RGB", "gt_labelIds"))
+    return paired(images, maps, "Foggy Zurich")

@@ -1,0 +1,77 @@
+"""Indexes: which files a dataset consists of, and their content hashes.
+
+The engines see raw data, stand-in or real, through these small tables (path, size in bytes, SHA-256), never through
+the folders themselves. Paths are relative to the dataset's root, with forward slashes.
+"""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.progress import progress
+
+COLUMNS = ("path", "size", "sha256")
+FOLDER = Path("results/scenes/index")
+
+
+def read_index(*names: str) -> dict[str, str]:
+    """SHA-256 by relative path, of one dataset or of several shards, e.g. `read_index("synscapes_0000")`."""
+    hashes: dict[str, str] = {}
+    for name in names:
+        hashes.update((row["path"], row["sha256"]) for row in read_csv(index_path(name), COLUMNS))
+    return hashes
+
+
+def index_path(name: str) -> Path:
+    """Where the index of a dataset (or of a Synscapes shard, `synscapes_0000`) lies."""
+    return FOLDER / f"{name}.csv"
+
+
+def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
+    """Hash the files and write their index, sorted by path.
+
+    A file whose size and modification time are those of the last time is not read again.
+
+    Raises
+    ------
+    FoggyError
+        If a file is missing, is not a plain file, or lies outside the root (through `..` or a link).
+    """
+    cache_path = FOLDER.parent / "cache" / f"{name}.json"
+    cache = _read_cache(cache_path)
+    rows, fresh = [], {}
+    inside = root.resolve()
+    for path in progress(sorted(paths), f"index {name}", unit="file"):
+        file = root / path
+        if not file.is_file():
+            raise FoggyError(f"{file}: missing. The {name.split('_0')[0]} dataset is incomplete; see the README on real data.")
+        if not file.resolve().is_relative_to(inside):
+            raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
+        status = file.stat()
+        stamp = [status.st_size, status.st_mtime_ns, status.st_ino]
+        known = cache.get(path)
+        digest = known[1] if known and known[0] == stamp else sha256(file)
+        fresh[path] = [stamp, digest]
+        rows.append((path, status.st_size, digest))
+    write_csv(index_path(name), COLUMNS, rows)
+    write_text(cache_path, json.dumps(fresh))
+
+
+def _read_cache(path: Path) -> dict[str, list]:
+    # The cache only saves time: one that cannot be read is as good as none.
+    try:
+        cache = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return cache if isinstance(cache, dict) else {}
+
+
+def expect(index: dict[str, str], paths: Iterable[str], dataset: str) -> None:
+    """Raise FoggyError naming the first of `paths` that an index does not have."""
+    for path in paths:
+        if path not in index:
+            raise FoggyError(f"{dataset}: {path} is not in the index {FOLDER}. Is the file missing? Run `foggy scenes` again.")

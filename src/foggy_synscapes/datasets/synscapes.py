@@ -1,0 +1,113 @@
+"""Synscapes on disk: `img/{rgb,class,instance}/N.png`, `img/depth/N.exr`, `meta/N.json`, N from 1, unpadded.
+
+Source: Wrenninge and Unger, Synscapes: A Photorealistic Synthetic Dataset for Street Scene Parsing, 2018.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.geometry import Camera
+
+SCENE_KEYS = (
+    "altitude_variation", "curb_height", "dist_bicyclists_mean", "dist_bicyclists_stddev", "dist_buses_mean",
+    "dist_buses_stddev", "dist_cars_mean", "dist_cars_stddev", "dist_motorcyclists_mean", "dist_motorcyclists_stddev",
+    "dist_pedestrians_mean", "dist_pedestrians_stddev", "dist_trains_mean", "dist_trains_stddev", "dist_trucks_mean",
+    "dist_trucks_stddev", "ego_speed", "fence_height", "fence_presence", "median_presence", "num_bicyclists",
+    "num_buses", "num_cars", "num_motorcyclists", "num_pedestrians", "num_trains", "num_trucks", "parking_angle",
+    "parking_presence", "rel_dist_to_isect", "sidewalk_width", "sky_contrast", "sun_height", "wall_height",
+    "wall_presence",
+)  # fmt: skip
+"""The scene properties of a meta file."""
+
+
+@dataclass(frozen=True)
+class Meta:
+    """A frame's meta file: camera, scene keys, instances (as they stand in the file)."""
+
+    camera: Camera
+    scene: dict[str, float]
+    instances: dict[str, Any]
+
+
+def rgb(frame: int) -> str:
+    """Path of the clear image below the root."""
+    return f"img/rgb/{frame}.png"
+
+
+def depth(frame: int) -> str:
+    """Path of the planar depth in metres below the root."""
+    return f"img/depth/{frame}.exr"
+
+
+def class_(frame: int) -> str:
+    """Path of the labelIds below the root."""
+    return f"img/class/{frame}.png"
+
+
+def instance(frame: int) -> str:
+    """Path of the instance ids (R + 256 G + 65536 B) below the root."""
+    return f"img/instance/{frame}.png"
+
+
+def meta(frame: int) -> str:
+    """Path of the meta file below the root."""
+    return f"meta/{frame}.json"
+
+
+def shard_frames(shard: str, size: int, last: int | None = None) -> range:
+    """Ids of the frames in a shard: 0000 holds 1 to size, 0001 the next, up to the dataset's last id."""
+    first = int(shard) * size + 1
+    end = first + size
+    return range(first, end if last is None else min(end, last + 1))
+
+
+def shard_of(frame: int, size: int) -> str:
+    """Name of the shard that holds a frame."""
+    return f"{(frame - 1) // size:04d}"
+
+
+def read_camera(path: str | Path) -> Camera:
+    """Read the camera of a meta file or of a file that holds nothing else."""
+    return _camera(_read(path), path)
+
+
+def read_meta(path: str | Path) -> Meta:
+    """Read a meta file; unknown keys are tolerated, a missing one is a FoggyError that names it."""
+    document = _read(path)
+    scene = document.get("scene")
+    if not isinstance(scene, dict):
+        raise FoggyError(f"{path}: no section `scene`; is this a Synscapes meta file?")
+    missing = [key for key in SCENE_KEYS if key not in scene]
+    if missing:
+        raise FoggyError(f"{path}: scene key {', '.join(missing)} missing")
+    for key in SCENE_KEYS:
+        if isinstance(scene[key], bool) or not isinstance(scene[key], int | float):
+            raise FoggyError(f"{path}: scene key {key} is {scene[key]!r}, expected a number")
+    return Meta(_camera(document, path), {key: scene[key] for key in SCENE_KEYS}, document.get("instance", {}))
+
+
+def _read(path: str | Path) -> dict[str, Any]:
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise FoggyError(f"{path}: missing. Every frame needs its meta file (or give one camera for all).") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise FoggyError(f"{path}: not a readable JSON file: {error}") from error
+    if not isinstance(document, dict):
+        raise FoggyError(f"{path}: expected an object with `camera`, got {type(document).__name__}")
+    return document
+
+
+def _camera(document: dict[str, Any], path: str | Path) -> Camera:
+    intrinsic = document.get("camera", {}).get("intrinsic", {}) if isinstance(document.get("camera"), dict) else {}
+    try:
+        numbers = {name: float(intrinsic[name]) for name in ("fx", "fy", "u0", "v0")}
+        size = {name: int(intrinsic[name]) for name in ("resx", "resy")}
+        return Camera(**numbers, **size)
+    except KeyError as error:
+        raise FoggyError(f"{path}: camera.intrinsic.{error.args[0]} missing") from error
+    except (TypeError, ValueError) as error:
+        raise FoggyError(f"{path}: camera.intrinsic: {error}") from error

@@ -1,0 +1,60 @@
+"""Run records: beside its outputs, a step writes what made them, so that each number can be traced back.
+
+A record holds the command, the params it read, SHA-256 of its inputs, sources and outputs, and versions.
+It holds no time, host or absolute path, so that equal runs write equal records.
+"""
+
+import json
+import platform
+from collections.abc import Iterable
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes import __version__, closure
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.hashing import sha256
+
+# Distributions whose name is not the name that is imported.
+DISTRIBUTIONS = {"PIL": "pillow", "yaml": "pyyaml", "OpenImageIO": "OpenImageIO"}
+
+
+def write_run(
+    path: str | Path,
+    *,
+    command: list[str],
+    params: dict[str, Any],
+    inputs: Iterable[str | Path],
+    outputs: Iterable[str | Path],
+) -> None:
+    """Write the record of one step; `command` starts with `foggy` and the step's word.
+
+    `params` holds the values that the step read, without folders of the machine. `inputs` and `outputs` are
+    files, named relative to the working directory.
+    """
+    word = command[1]
+    record = {
+        "command": command,
+        "params": params,
+        "inputs": _hashes(inputs),
+        "outputs": _hashes(outputs),
+        "code": {name: sha256(closure.FOLDER / name) for name in closure.sources(word)},
+        "versions": versions(word),
+    }
+    write_text(path, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+
+
+def versions(word: str) -> dict[str, str]:
+    """Versions of Python, of this package and of the libraries that a command's sources import."""
+    found = {"python": platform.python_version(), "foggy-synscapes": __version__}
+    for name in closure.libraries(word):
+        distribution = DISTRIBUTIONS.get(name, name)
+        try:
+            found[distribution] = metadata.version(distribution)
+        except metadata.PackageNotFoundError:
+            found[distribution] = "not installed"
+    return found
+
+
+def _hashes(paths: Iterable[str | Path]) -> dict[str, str]:
+    return {Path(path).as_posix(): sha256(path) for path in sorted(paths, key=str)}

@@ -1,0 +1,434 @@
+"""The experiment's parameters: read from YAML, checked, typed and frozen.
+
+A params file is complete: no value hides in the code. Units and sources stand beside the values, in
+`params.yaml`; here stands what is possible at all.
+"""
+
+import difflib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from foggy_synscapes.errors import FoggyError
+
+STAND_IN = "stand-in"
+FIGURES = ("beta_strip", "fc_against_fs", "predictions_foggy_driving", "predictions_foggy_zurich", "curves")
+
+Dataset = Literal["synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich"]
+TestSet = Literal["foggy_driving", "foggy_zurich", "cityscapes"]
+Network = Literal["refinenet", "bisenet"]
+# Names become folders and words of a command line, so they are kept to what is harmless in both.
+RowName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9-]{0,63}$")]
+SeedName = Annotated[str, Field(pattern=r"^[0-9]{1,9}$")]
+Count = Annotated[int, Field(ge=1)]
+
+
+def beta_name(text: str) -> str:
+    """Spell an attenuation coefficient in 1/m the way folders spell it: shortest decimal, no exponent.
+
+    >>> beta_name("0.010")
+    '0.01'
+
+    Raises ValueError unless it is a finite number above 0.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"beta {text!r} is not a number; it is the attenuation coefficient in 1/m, e.g. 0.005") from None
+    if not 0 < value < float("inf"):
+        raise ValueError(f"beta {text} is not a positive finite number in 1/m, e.g. 0.005")
+    from decimal import Decimal
+
+    return f"{Decimal(repr(value)):f}"
+
+
+def _canonical_beta(text: str) -> str:
+    name = beta_name(text)
+    if name != text:
+        raise ValueError(f"beta {text!r}: write {name!r}, as the folder spells it, so that no two betas share a folder")
+    return text
+
+
+Beta = Annotated[str, AfterValidator(_canonical_beta)]
+
+
+class Section(BaseModel):
+    """A part of the params file: unknown keys are errors, values do not change after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Roots(Section):
+    """Folder of each dataset, or "stand-in"."""
+
+    synscapes: str
+    cityscapes: str
+    foggy_cityscapes: str
+    foggy_driving: str
+    foggy_zurich: str
+
+
+class CityscapesCounts(Section):
+    """Frames rendered for a layout with training and validation splits."""
+
+    train: Count
+    val: Count
+
+
+class DrivingCounts(Section):
+    """Frames rendered with fine and with coarse labels."""
+
+    fine: Count
+    coarse: Count
+
+
+class StandIn(Section):
+    """How much stand-in data is rendered, and from which seed."""
+
+    seed: Annotated[int, Field(ge=0)]
+    size: tuple[Annotated[int, Field(ge=32, le=4096)], Annotated[int, Field(ge=32, le=8192)]]
+    synscapes: Count
+    cityscapes: CityscapesCounts
+    foggy_cityscapes: CityscapesCounts
+    foggy_driving: DrivingCounts
+    foggy_zurich: Count
+
+    @model_validator(mode="after")
+    def _refined_are_cityscapes(self) -> "StandIn":
+        for split in ("train", "val"):
+            refined, whole = getattr(self.foggy_cityscapes, split), getattr(self.cityscapes, split)
+            if refined > whole:
+                raise ValueError(f"foggy_cityscapes.{split}: {refined} refined frames of only {whole} Cityscapes frames")
+        return self
+
+
+class Scenes(Section):
+    """Where the raw data is, and how Synscapes is cut into shards."""
+
+    roots: Roots
+    refined_list: str
+    zurich_list: Literal["testv1", "testv2"]
+    shard_frames: Count
+    shards: Annotated[list[str], Field(min_length=1)]
+    stand_in: StandIn
+
+    @model_validator(mode="after")
+    def _shards_are_numbered(self) -> "Scenes":
+        expected = [f"{number:04d}" for number in range(len(self.shards))]
+        if self.shards != expected:
+            raise ValueError(f"shards: expected the names {expected[0]} to {expected[-1]} in order, got {self.shards}")
+        if self.roots.synscapes == STAND_IN:
+            needed = -(-self.stand_in.synscapes // self.shard_frames)
+            if needed != len(self.shards):
+                raise ValueError(
+                    f"shards: {self.stand_in.synscapes} frames in shards of {self.shard_frames} are {needed} shards, "
+                    f"got {len(self.shards)}"
+                )
+        return self
+
+
+class FilterRule(Section):
+    """Keep a frame if the scene key lies between minimum and maximum, both included."""
+
+    key: str
+    minimum: float | None = None
+    maximum: float | None = None
+
+    @model_validator(mode="after")
+    def _bounded(self) -> "FilterRule":
+        if self.minimum is None and self.maximum is None:
+            raise ValueError(f"rule on {self.key}: give minimum, maximum or both")
+        return self
+
+
+class Filter(Section):
+    """Which frames the metadata keeps."""
+
+    rules: list[FilterRule]
+
+
+class Ends(Section):
+    """The first and the last so many kept frames."""
+
+    first: Count
+    last: Annotated[int, Field(ge=0)]
+
+
+class Fog(Section):
+    """How Foggy Synscapes is rendered."""
+
+    betas: Annotated[list[Beta], Field(min_length=1)]
+    geometry: Literal["paper", "exact"]
+    frames: Ends
+    blue_airlight: Literal["keep", "drop", "grey"]
+    png_level: Annotated[int, Field(ge=0, le=3)]
+
+    @model_validator(mode="after")
+    def _distinct(self) -> "Fog":
+        if len(set(self.betas)) != len(self.betas):
+            raise ValueError(f"betas: each once, got {self.betas}")
+        return self
+
+
+class ClearList(Section):
+    """A list of Cityscapes images."""
+
+    train: Count
+    validation: Count
+
+
+class FoggyList(ClearList):
+    """A list of images of one foggy dataset."""
+
+    beta: Beta
+
+
+class MixedList(FoggyList):
+    """A list that mixes Foggy Synscapes with Foggy Cityscapes; counts are those of Foggy Synscapes."""
+
+    beta_foggy_cityscapes: Beta
+    ratio: tuple[Count, Count]
+
+
+class Subset(Section):
+    """The training and validation lists, by kind."""
+
+    clear: dict[RowName, ClearList]
+    partial: dict[RowName, FoggyList]
+    pure: dict[RowName, FoggyList]
+    mixed: dict[RowName, MixedList]
+
+    def rows(self) -> dict[str, ClearList]:
+        """All lists by row name."""
+        return {**self.clear, **self.partial, **self.pure, **self.mixed}
+
+    def kind(self, row: str) -> str:
+        """The kind (clear, partial, pure, mixed) of a row."""
+        return next(kind for kind in ("clear", "partial", "pure", "mixed") if row in getattr(self, kind))
+
+
+class Duration(Section):
+    """A number of epochs or of iterations."""
+
+    epochs: Count | None = None
+    iterations: Count | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> "Duration":
+        if (self.epochs is None) == (self.iterations is None):
+            raise ValueError("give either epochs or iterations")
+        return self
+
+    def steps(self, images: int, batch: int) -> int:
+        """Iterations for a list of so many images; a last, smaller batch of an epoch is dropped."""
+        return self.iterations if self.iterations is not None else self.epochs * (images // batch)
+
+
+class RowLength(Section):
+    """How long a row trains and how often it is validated."""
+
+    length: Duration
+    validate_: Annotated[Duration, Field(alias="validate")]
+
+
+class Policy(Section):
+    """How a network is trained."""
+
+    learning_rate: Annotated[float, Field(gt=0)]
+    schedule: Literal["poly", "constant"]
+    power: Annotated[float, Field(gt=0)]
+    momentum: Annotated[float, Field(ge=0, lt=1)]
+    weight_decay: Annotated[float, Field(ge=0)]
+    batch: Count
+    crop: tuple[Count, Count]
+    scale: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
+    flip: bool
+    loss: Literal["cross_entropy", "ohem"]
+    backbone_rate: Annotated[float, Field(gt=0)]
+    new_layer_rate: Annotated[float, Field(gt=0)]
+    freeze_batch_norm: bool
+
+
+class BaselinePolicy(Policy):
+    """How a network is trained from its own weights; names its length too."""
+
+    length: Duration
+    validate_: Annotated[Duration, Field(alias="validate")]
+
+
+class NetworkSettings(Section):
+    """Shape and policies of one network."""
+
+    backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"]
+    width: Annotated[int, Field(ge=4)]
+    decoder: Annotated[int, Field(ge=4)]
+    weights: str
+    baseline: BaselinePolicy
+    fine_tuning: Policy
+
+
+class Train(Section):
+    """The grid of trainings."""
+
+    threads: Count
+    workers: Annotated[int, Field(ge=0)]
+    precision: Literal["float32", "bfloat16"]
+    seeds: Annotated[list[SeedName], Field(min_length=1)]
+    networks: Annotated[list[Network], Field(min_length=1)]
+    from_weights: list[RowName]
+    from_baseline: list[RowName]
+    rows: dict[RowName, RowLength]
+    refinenet: NetworkSettings
+    bisenet: NetworkSettings
+
+    @model_validator(mode="after")
+    def _rows_are_complete(self) -> "Train":
+        if set(self.rows) != set(self.from_baseline):
+            raise ValueError(f"rows: has {sorted(self.rows)}, but from_baseline has {sorted(self.from_baseline)}")
+        if self.from_baseline and "C" not in self.from_weights:
+            raise ValueError("from_weights: row C is missing, from which the rows in from_baseline start")
+        return self
+
+
+class Evaluate(Section):
+    """Which test sets are scored."""
+
+    threads: Count
+    test_sets: Annotated[list[TestSet], Field(min_length=1)]
+
+
+class TableRow(Section):
+    """A printed row: its training row, its labels, the published number of images and the number here."""
+
+    row: RowName
+    training: str
+    fine_tuning: str
+    images: int | None = None
+    here: int | None = None
+
+
+class Tables(Section):
+    """What the tables print."""
+
+    stand_in: bool
+    rows: Annotated[list[TableRow], Field(min_length=1)]
+
+
+class Figures(Section):
+    """Which figures are drawn."""
+
+    names: list[Literal[FIGURES]]
+    betas: list[Beta]
+    comparison_beta: Beta
+    images: Count
+
+
+class Params(Section):
+    """The whole experiment."""
+
+    scenes: Scenes
+    filter: Filter
+    fog: Fog
+    subset: Subset
+    train: Train
+    evaluate: Evaluate
+    tables: Tables
+    figures: Figures
+
+    @model_validator(mode="after")
+    def _sections_agree(self) -> "Params":
+        lists = list(self.subset.pure.values()) + list(self.subset.mixed.values())
+        if lists:
+            betas = {entry.beta for entry in lists}
+            if betas != set(self.fog.betas):
+                raise ValueError(f"fog.betas: the lists in subset ask for {sorted(betas)}, got {sorted(self.fog.betas)}")
+            ends = max(entry.train for entry in lists), max(entry.validation for entry in lists)
+            if ends != (self.fog.frames.first, self.fog.frames.last):
+                raise ValueError(
+                    f"fog.frames: the lists in subset ask for the first {ends[0]} and the last {ends[1]} kept frames, "
+                    f"got first {self.fog.frames.first} and last {self.fog.frames.last}"
+                )
+        rows = {*self.train.from_weights, *self.train.from_baseline}
+        if rows != set(self.subset.rows()):
+            raise ValueError(f"train: trains rows {sorted(rows)}, but subset lists {sorted(self.subset.rows())}")
+        counts = self.scenes.stand_in
+        if self.scenes.roots.synscapes == STAND_IN and self.fog.frames.first + self.fog.frames.last > counts.synscapes:
+            raise ValueError(f"scenes.stand_in.synscapes: {counts.synscapes} frames, fewer than fog.frames asks for")
+        return self
+
+
+def load(path: str | Path) -> Params:
+    """Read and check a params file.
+
+    Raises
+    ------
+    FoggyError
+        Naming the file and the key: missing, misspelt, twice, of a wrong type, impossible, or in contradiction to another.
+    """
+    document = read_yaml(path)
+    if not isinstance(document, dict):
+        raise FoggyError(f"{path}: expected sections such as scenes, fog and train; got {type(document).__name__}")
+    return check(document, str(path))
+
+
+def check(document: dict[str, Any], name: str) -> Params:
+    """Check a params document that is read already; `name` stands for it in messages."""
+    try:
+        return Params.model_validate(document)
+    except ValidationError as error:
+        lines = [f"{name}: {_explain(problem)}" for problem in error.errors()]
+        raise FoggyError("\n".join(lines)) from None
+
+
+def root(params: Params, dataset: str) -> Path:
+    """Folder in which a dataset's real layout begins."""
+    folder = getattr(params.scenes.roots, dataset)
+    return Path("results/scenes") / dataset if folder == STAND_IN else Path(folder)
+
+
+class _Loader(yaml.SafeLoader):
+    """Plain data only: no tags, no aliases (which can grow without bound), no key twice."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.events.AliasEvent):
+            event = self.peek_event()
+            raise yaml.constructor.ConstructorError(None, None, "aliases are not allowed in params", event.start_mark)
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict:
+        keys = [self.construct_object(key, deep=deep) for key, _ in node.value]
+        for key, (place, _) in zip(keys, node.value, strict=True):
+            if keys.count(key) > 1:
+                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} stands twice", place.start_mark)
+        return super().construct_mapping(node, deep)
+
+
+def read_yaml(path: str | Path) -> Any:
+    """Read plain YAML: no tags, no aliases, no key twice. Raises FoggyError naming file and line."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return yaml.load(file, Loader=_Loader)  # noqa: S506 (a SafeLoader)
+    except FileNotFoundError as error:
+        raise FoggyError(f"{path}: no such params file. The default is params.yaml; others are in params/.") from error
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise FoggyError(f"{path}: not a readable params file: {error}") from error
+
+
+def _explain(problem: dict[str, Any]) -> str:
+    place = ".".join(str(part) for part in problem["loc"]) or "the whole file"
+    kind, message = problem["type"], problem["msg"].removeprefix("Value error, ")
+    if kind == "extra_forbidden":
+        return f"{place}: unknown key{_suggest(problem['loc'])}. Remove it or correct its spelling."
+    if kind == "missing":
+        return f"{place}: missing. Every value is stated; compare params.yaml."
+    if kind == "value_error":
+        return f"{place}: {message}"
+    return f"{place}: {message}; got {problem['input']!r}"
+
+
+def _suggest(place: tuple) -> str:
+    names = {field.alias or name for model in Section.__subclasses__() for name, field in model.model_fields.items()}
+    close = difflib.get_close_matches(str(place[-1]), sorted(names), n=1)
+    return f"; did you mean {close[0]}?" if close else ""

@@ -1,0 +1,17 @@
+"""What tests of all layers share."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def real_data() -> Path:
+    """Folder of the real samples, which may not be redistributed; tests skip where it is absent."""
+    folder = Path(os.environ.get("FOGGY_REAL_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no real samples at {folder}; set FOGGY_REAL_DATA to their folder")
+    return folder
