@@ -1,0 +1,128 @@
+"""Confusion matrices from maps of ids, exact in int64.
+
+Two maps are first counted as they are, id against id (`joint_histogram`). That count is all that any score
+needs: counts of images, shards and processes are added in any order, and the encoding of either map can
+still be found from the sum (see `encoding`) before it is folded to classes (`fold`).
+"""
+
+import numpy as np
+
+IDS = 256
+CHUNK = 1 << 18  # pixels: the intermediate arrays of one chunk stay in the processor's cache
+VOID = -1  # in a table of `fold`: the id is valid and belongs to no class
+UNKNOWN = -2  # in a table of `fold`: the id does not exist in the encoding
+
+
+def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
+    """Count how often each pair of ids occurs at a pixel.
+
+    Parameters
+    ----------
+    labels, predictions : uint8, of one shape
+        Ids in any encoding, at most one map each.
+
+    Returns
+    -------
+    int64 (256, 256)
+        Pixels by label id (row) and predicted id (column). Sums over images are plain sums of these.
+
+    Raises
+    ------
+    ValueError
+        If a map is not uint8, or the shapes differ.
+
+    Examples
+    --------
+    >>> counts = joint_histogram(np.array([[7, 7, 8]], np.uint8), np.array([[7, 8, 8]], np.uint8))
+    >>> int(counts[7, 7]), int(counts[7, 8]), int(counts[8, 8]), int(counts.sum())
+    (1, 1, 1, 3)
+    """
+    for name, array in (("labels", labels), ("predictions", predictions)):
+        if array.dtype != np.uint8:
+            raise ValueError(f"{name}: {array.dtype} values, expected ids in uint8")
+    if labels.shape != predictions.shape:
+        raise ValueError(f"predictions: shape {predictions.shape}, but the labels have {labels.shape}")
+    flat_labels, flat_predictions = labels.reshape(-1), predictions.reshape(-1)
+    counts = np.zeros(IDS * IDS, np.int64)
+    for start in range(0, flat_labels.size, CHUNK):
+        _count(flat_labels[start : start + CHUNK], flat_predictions[start : start + CHUNK], counts)
+    return counts.reshape(IDS, IDS)
+
+
+def _count(labels: np.ndarray, predictions: np.ndarray, counts: np.ndarray) -> None:
+    # Maps of things consist of long runs of one id: finding where a run ends is much cheaper than looking
+    # at each pixel. Noisy maps, in which runs are short, are counted pixel by pixel.
+    ends = np.empty(labels.size, bool)
+    ends[-1] = True
+    np.not_equal(labels[1:], labels[:-1], out=ends[:-1])
+    ends[:-1] |= predictions[1:] != predictions[:-1]
+    if np.count_nonzero(ends) * 8 > ends.size:
+        pairs = labels.astype(np.intp)
+        pairs <<= 8
+        pairs |= predictions
+        counts += np.bincount(pairs, minlength=counts.size)
+        return
+    last = np.flatnonzero(ends)
+    pairs = labels[last].astype(np.intp)
+    pairs <<= 8
+    pairs |= predictions[last]
+    np.add.at(counts, pairs, np.diff(last, prepend=-1))
+
+
+def fold(counts: np.ndarray, label_classes: np.ndarray, predicted_classes: np.ndarray, classes: int) -> np.ndarray:
+    """Turn counts of ids into a confusion matrix of classes.
+
+    Parameters
+    ----------
+    counts : int64 (256, 256)
+        From `joint_histogram`, or a sum of such.
+    label_classes, predicted_classes : int (256,)
+        Class of each id, or VOID, or UNKNOWN.
+    classes : int
+        Number of classes, C.
+
+    Returns
+    -------
+    int64 (C, C + 1)
+        Pixels whose label is a class, by that class (row) and predicted class (column). The last column
+        counts predictions of no class: they are misses of the labelled class, and false alarms of none.
+        Pixels with a void label are left out, whatever is predicted there.
+
+    Raises
+    ------
+    ValueError
+        If an id occurs that does not exist in its encoding.
+    """
+    for name, table, occurs in (
+        ("labels", label_classes, counts.any(axis=1)),
+        ("predictions", predicted_classes, counts.any(axis=0)),
+    ):
+        unknown = np.flatnonzero(occurs & (table == UNKNOWN))
+        if unknown.size:
+            raise ValueError(f"{name}: unknown id {', '.join(map(str, unknown))}")
+    matrix = np.zeros((classes, classes + 1), np.int64)
+    rows = np.flatnonzero(label_classes >= 0)
+    columns = np.where(predicted_classes >= 0, predicted_classes, classes)
+    np.add.at(matrix, (label_classes[rows, None], columns[None, :]), counts[rows])
+    return matrix
+
+
+def confusion_matrix(labels: np.ndarray, predictions: np.ndarray, classes: int, ignore: int = 255) -> np.ndarray:
+    """Confusion matrix of two maps of class indices 0 to `classes` - 1 and `ignore`; see `fold`.
+
+    Examples
+    --------
+    >>> truth, guess = np.array([[0, 0, 1, 255]], np.uint8), np.array([[0, 1, 1, 0]], np.uint8)
+    >>> confusion_matrix(truth, guess, classes=2).tolist()
+    [[1, 1, 0], [0, 1, 0]]
+    """
+    table = index_table(classes, ignore)
+    return fold(joint_histogram(labels, predictions), table, table, classes)
+
+
+def index_table(classes: int, ignore: int) -> np.ndarray:
+    """Table for `fold` of an encoding in which ids are class indices and `ignore` is void: int64 (256,)."""
+    table = np.full(IDS, UNKNOWN, np.int64)
+    table[:classes] = np.arange(classes)
+    table[ignore] = VOID
+    return table

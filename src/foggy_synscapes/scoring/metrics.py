@@ -1,0 +1,66 @@
+"""The scores of a test set as one plain document: what `metrics.json` holds."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from foggy_synscapes.datasets.labels import CATEGORIES, CLASSES
+from foggy_synscapes.scoring import iou
+
+
+def summarize(matrix: np.ndarray, images: int) -> dict[str, Any]:
+    """Scores of a confusion matrix of the 19 classes, in percent, None where undefined.
+
+    Parameters
+    ----------
+    matrix : int64 (19, 20)
+        See `confusion.fold`.
+    images : int
+        Number of images that were counted.
+
+    Returns
+    -------
+    dict
+        `confusion` holds rows of ground truth by columns of predictions; `unlabelled_predictions` the pixels of
+        each class that are predicted as no class, which its `fn` includes. `mean_iou` has both conventions;
+        `mean_iou_cityscapes` is that of the Cityscapes scripts, in which a class absent from the ground truth
+        counts as 0 as soon as one pixel is predicted as it.
+
+    Raises
+    ------
+    ValueError
+        If the matrix has another shape, or no pixel is labelled with a class.
+    """
+    if matrix.shape != (len(CLASSES), len(CLASSES) + 1):
+        raise ValueError(f"matrix: shape {matrix.shape}, expected {(len(CLASSES), len(CLASSES) + 1)}")
+    if not matrix.any():
+        raise ValueError("matrix: no pixel of the ground truth is labelled with any of the 19 classes")
+    scores = iou.iou(matrix)
+    index = {name: number for number, name in enumerate(CLASSES)}
+    groups = {name: [index[member] for member in members] for name, members in CATEGORIES.items()}
+    categories = iou.category_iou(matrix, groups)
+    counts = zip(iou.hits(matrix), iou.false_alarms(matrix), iou.misses(matrix), strict=True)
+    return {
+        "classes": [
+            {"name": name, "iou": _percent(score), "tp": int(tp), "fp": int(fp), "fn": int(fn)}
+            for name, score, (tp, fp, fn) in zip(CLASSES, scores, counts, strict=True)
+        ],
+        "mean_iou": {
+            "annotated": _percent(iou.mean_annotated(scores)),
+            "as_published": _percent(iou.mean_as_published(scores)),
+        },
+        "annotated_classes": int(iou.annotated(matrix).sum()),
+        "images": images,
+        "mean_iou_cityscapes": _percent(iou.mean_annotated(iou.iou_as_cityscapes(matrix))),
+        "pixel_accuracy": _percent(iou.pixel_accuracy(matrix)),
+        "frequency_weighted_iou": _percent(iou.frequency_weighted_iou(matrix)),
+        "categories": [{"name": name, "iou": _percent(score)} for name, score in categories.items()],
+        "mean_category_iou": _percent(iou.mean_annotated(list(categories.values()))),
+        "confusion": matrix[:, :-1].tolist(),
+        "unlabelled_predictions": matrix[:, -1].tolist(),
+    }
+
+
+def _percent(fraction: float) -> float | None:
+    return None if math.isnan(fraction) else 100.0 * float(fraction)
