@@ -1,0 +1,73 @@
+"""What a network is made of, without PyTorch: read by parameters, the command line and the model files."""
+
+from dataclasses import asdict, dataclass, fields
+
+# Blocks of each stage, and whether they are bottlenecks. Source: He et al. 2016, table 1.
+BACKBONES: dict[str, tuple[tuple[int, int, int, int], bool]] = {
+    "resnet18": ((2, 2, 2, 2), False),
+    "resnet34": ((3, 4, 6, 3), False),
+    "resnet50": ((3, 4, 6, 3), True),
+    "resnet101": ((3, 4, 23, 3), True),
+}
+
+NETWORKS = ("refinenet", "bisenet")
+STRIDE = 32  # pixels of the input for one of the deepest feature map, in both networks
+
+
+@dataclass(frozen=True)
+class NetworkConfig:
+    """The architecture of one network; two equal configs give modules with the same parameter names and shapes.
+
+    name : "refinenet" or "bisenet"
+    backbone : key of `BACKBONES`
+    width : channels of the backbone's first stage (64 as published; later stages double it)
+    decoder : refinenet: channels of the three upper levels, the deepest has twice as many (256 as published);
+        bisenet: channels of the spatial path's output and of the attention refinement (128 as published)
+    classes : number of output classes
+    auxiliary : bisenet only: has the two heads that are used in training alone
+    variant : bisenet only: "torchseg" or "coincheung", the two public formulations, see `bisenet.BiSeNet`
+
+    Raises ValueError naming the field that cannot be.
+    """
+
+    name: str
+    backbone: str
+    width: int = 64
+    decoder: int = 128
+    classes: int = 19
+    auxiliary: bool = True
+    variant: str = "torchseg"
+
+    def __post_init__(self) -> None:
+        if self.name not in NETWORKS:
+            raise ValueError(f"name: {self.name!r}, expected one of {', '.join(NETWORKS)}")
+        if self.backbone not in BACKBONES:
+            raise ValueError(f"backbone: {self.backbone!r}, expected one of {', '.join(BACKBONES)}")
+        if self.variant not in ("torchseg", "coincheung"):
+            raise ValueError(f"variant: {self.variant!r}, expected torchseg or coincheung")
+        for key, least in (("width", 1), ("decoder", 4), ("classes", 2)):
+            value = getattr(self, key)
+            if not isinstance(value, int) or value < least:
+                raise ValueError(f"{key}: {value!r}, expected a whole number of at least {least}")
+        if self.name == "bisenet" and self.decoder % 4:
+            raise ValueError(f"decoder: {self.decoder}, expected a multiple of 4")
+
+    def to_dict(self) -> dict[str, object]:
+        """The fields as plain values, for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: dict[str, object]) -> "NetworkConfig":
+        """The inverse of `to_dict`; raises ValueError for an unknown or a missing field."""
+        known = {field.name for field in fields(cls)}
+        if set(values) != known:
+            unknown, missing = sorted(set(values) - known), sorted(known - set(values))
+            raise ValueError(f"network config: unknown fields {unknown}, missing fields {missing}")
+        return cls(**values)  # type: ignore[arg-type]
+
+
+# The two networks of the paper (section IV) at their published sizes.
+PUBLISHED: dict[str, NetworkConfig] = {
+    "refinenet": NetworkConfig("refinenet", "resnet101", width=64, decoder=256, auxiliary=False),
+    "bisenet": NetworkConfig("bisenet", "resnet18", width=64, decoder=128),
+}

@@ -1,0 +1,138 @@
+"""Model files: weights, architecture and preprocessing in one safetensors file.
+
+The file's metadata has one key, `foggy`, with sorted JSON: several keys would be written in no fixed order.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import safetensors.torch
+import torch
+from safetensors import SafetensorError
+from torch import Tensor
+
+from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.config import NetworkConfig
+from foggy_synscapes.networks.network import Network
+
+KEY = "foggy"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Preprocessing:
+    """What turns 8-bit RGB into a network's input: (value * scale - mean) / std, per channel in the given order.
+
+    The default is ImageNet's mean and standard deviation, which torchvision's, TorchSeg's and CoinCheung's weights use.
+    """
+
+    channels: str = "RGB"
+    scale: float = 1 / 255
+    mean: tuple[float, float, float] = (0.485, 0.456, 0.406)
+    std: tuple[float, float, float] = (0.229, 0.224, 0.225)
+
+    def __post_init__(self) -> None:
+        if self.channels not in ("RGB", "BGR"):
+            raise ValueError(f"preprocessing: channels {self.channels!r}, expected RGB or BGR")
+        if len(self.mean) != 3 or len(self.std) != 3 or min(self.std) <= 0:
+            raise ValueError(f"preprocessing: mean {self.mean} and std {self.std}, expected three each, std above 0")
+
+    def apply(self, images: Tensor) -> Tensor:
+        """uint8 (B, 3, H, W) in RGB order -> float32 of the same shape."""
+        mean, std = (torch.tensor(values, device=images.device).view(1, 3, 1, 1) for values in (self.mean, self.std))
+        if self.channels == "BGR":
+            images = images.flip(1)
+        return images.to(torch.float32).mul_(self.scale).sub_(mean).div_(std)
+
+
+@dataclass
+class Model:
+    """A network ready to predict, with the preprocessing that belongs to its weights."""
+
+    network: Network
+    preprocessing: Preprocessing
+
+    @property
+    def config(self) -> NetworkConfig:
+        return self.network.config
+
+    def logits(self, rgb: np.ndarray) -> Tensor:
+        """rgb uint8 (H, W, 3), any size -> logits float32 (classes, H, W)."""
+        if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3:
+            raise ValueError(f"rgb: {rgb.dtype} {rgb.shape}, expected uint8 (H, W, 3)")
+        device = next(self.network.parameters()).device
+        images = torch.from_numpy(np.ascontiguousarray(rgb)).to(device).permute(2, 0, 1)[None]
+        self.network.eval()
+        with torch.inference_mode():
+            # Of one image, this layout is a view, and convolutions on processors are faster in it.
+            inputs = self.preprocessing.apply(images).contiguous(memory_format=torch.channels_last)
+            return self.network(inputs)[0].float()
+
+    def predict(self, rgb: np.ndarray) -> np.ndarray:
+        """rgb uint8 (H, W, 3), any size -> trainIds uint8 (H, W)."""
+        return self.logits(rgb).argmax(dim=0).to(torch.uint8).cpu().numpy()
+
+
+def dump(module: Network, preprocessing: Preprocessing) -> bytes:
+    """The model file of a network: equal weights give equal bytes."""
+    about = {"format": FORMAT, "network": module.config.to_dict(), "preprocessing": asdict(preprocessing)}
+    tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
+    return safetensors.torch.save(tensors, {KEY: json.dumps(about, sort_keys=True)})
+
+
+def load_model(data: bytes) -> Model:
+    """Read a model file made by `dump`.
+
+    Raises
+    ------
+    ValueError
+        If it is no safetensors file, was cut off, was not made by this project, or its tensors do not fit its config.
+    """
+    about, tensors = read_tensors(data, KEY)
+    if about.get("format") != FORMAT:
+        raise ValueError(f"model file of format {about.get('format')!r}, expected {FORMAT}: made by another version?")
+    config = NetworkConfig.from_dict(about["network"])
+    preprocessing = Preprocessing(**{**about["preprocessing"], **_tuples(about["preprocessing"])})
+    with torch.device("meta"):
+        network = build(config)
+    assign(network, tensors)
+    return Model(network.to(memory_format=torch.channels_last).eval(), preprocessing)
+
+
+def assign(network: Network, tensors: dict[str, Tensor]) -> None:
+    """Give a network the tensors of exactly its names, shapes and types; ValueError says what does not fit."""
+    wanted = network.state_dict()
+    missing, extra = sorted(set(wanted) - set(tensors)), sorted(set(tensors) - set(wanted))
+    if missing or extra:
+        raise ValueError(
+            f"weights do not fit {network.config.name} ({network.config.backbone}): "
+            f"{len(missing)} missing {missing[:3]}, {len(extra)} left over {extra[:3]}. Is this another network's file?"
+        )
+    for name, tensor in tensors.items():
+        if tensor.shape != wanted[name].shape or tensor.dtype != wanted[name].dtype:
+            raise ValueError(
+                f"weights do not fit {network.config.name} ({network.config.backbone}): {name} is "
+                f"{tensor.dtype} {tuple(tensor.shape)}, expected {wanted[name].dtype} {tuple(wanted[name].shape)}. "
+                "Has it another width or another number of classes?"
+            )
+    network.load_state_dict(tensors, strict=True, assign=True)
+
+
+def read_tensors(data: bytes, key: str) -> tuple[dict, dict[str, Tensor]]:
+    """Metadata (JSON under `key`) and tensors of a safetensors file; ValueError where it is none, or lacks the key."""
+    try:
+        tensors = safetensors.torch.load(data)
+        header = json.loads(data[8 : 8 + int.from_bytes(data[:8], "little")])
+    except (SafetensorError, ValueError) as error:
+        raise ValueError(f"not a whole safetensors file ({error}). Was it cut off, or is it of another kind?") from error
+    try:
+        return json.loads(header["__metadata__"][key]), tensors
+    except KeyError:
+        raise ValueError(
+            f"safetensors file without the metadata `{key}`: not made here. `foggy weights import` reads other sources"
+        ) from None
+
+
+def _tuples(values: dict) -> dict:
+    return {name: tuple(value) for name, value in values.items() if isinstance(value, list)}
