@@ -14,9 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from foggy_synscapes.errors import FoggyError
 
 STAND_IN = "stand-in"
-FIGURES = ("beta_strip", "fc_against_fs", "predictions_foggy_driving", "predictions_foggy_zurich", "curves")
 
-Dataset = Literal["synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich"]
 TestSet = Literal["foggy_driving", "foggy_zurich", "cityscapes"]
 Network = Literal["refinenet", "bisenet"]
 # Names become folders and words of a command line, so they are kept to what is harmless in both.
@@ -317,9 +315,8 @@ class Tables(Section):
 
 
 class Figures(Section):
-    """Which figures are drawn."""
+    """What the figures show."""
 
-    names: list[Literal[FIGURES]]
     betas: list[Beta]
     comparison_beta: Beta
     images: Count

@@ -19,7 +19,7 @@ FOLDER = Path("results/scenes/index")
 
 
 def read_index(*names: str) -> dict[str, str]:
-    """SHA-256 by relative path, of one dataset or of several shards, e.g. `read_index("synscapes_0000")`."""
+    """SHA-256 by relative path, of one dataset or several shards, e.g. `read_index("synscapes/0000", "synscapes/0001")`."""
     hashes: dict[str, str] = {}
     for name in names:
         hashes.update((row["path"], row["sha256"]) for row in read_csv(index_path(name), COLUMNS))
@@ -27,7 +27,7 @@ def read_index(*names: str) -> dict[str, str]:
 
 
 def index_path(name: str) -> Path:
-    """Where the index of a dataset (or of a Synscapes shard, `synscapes_0000`) lies."""
+    """Where an index lies: `cityscapes/all`, or a shard of Synscapes such as `synscapes/0000`."""
     return FOLDER / f"{name}.csv"
 
 
@@ -48,7 +48,7 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
     for path in progress(sorted(paths), f"index {name}", unit="file"):
         file = root / path
         if not file.is_file():
-            raise FoggyError(f"{file}: missing. The {name.split('_0')[0]} dataset is incomplete; see the README on real data.")
+            raise FoggyError(f"{file}: missing. The {name.partition('/')[0]} dataset is incomplete; see the README on real data.")
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
         status = file.stat()

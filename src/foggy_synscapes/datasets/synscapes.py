@@ -4,6 +4,7 @@ Source: Wrenninge and Unger, Synscapes: A Photorealistic Synthetic Dataset for S
 """
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,15 @@ def meta(frame: int) -> str:
     return f"meta/{frame}.json"
 
 
+def foggy_name(frame: int, beta: str) -> str:
+    """File name of a foggy image, as the published script spells it.
+
+    >>> foggy_name(1, "0.005")
+    '00001_beta_0.005.png'
+    """
+    return f"{frame:05d}_beta_{beta}.png"
+
+
 def shard_frames(shard: str, size: int, last: int | None = None) -> range:
     """Ids of the frames in a shard: 0000 holds 1 to size, 0001 the next, up to the dataset's last id."""
     first = int(shard) * size + 1
@@ -74,9 +84,12 @@ def read_camera(path: str | Path) -> Camera:
     return _camera(_read(path), path)
 
 
-def read_meta(path: str | Path) -> Meta:
-    """Read a meta file; unknown keys are tolerated, a missing one is a FoggyError that names it."""
-    document = _read(path)
+def read_meta(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> Meta:
+    """Read a meta file; unknown keys are tolerated, a missing one is a FoggyError that names it.
+
+    `check` is given the file's bytes and returns them, or raises where they are not the expected ones.
+    """
+    document = _read(path, check)
     scene = document.get("scene")
     if not isinstance(scene, dict):
         raise FoggyError(f"{path}: no section `scene`; is this a Synscapes meta file?")
@@ -89,9 +102,9 @@ def read_meta(path: str | Path) -> Meta:
     return Meta(_camera(document, path), {key: scene[key] for key in SCENE_KEYS}, document.get("instance", {}))
 
 
-def _read(path: str | Path) -> dict[str, Any]:
+def _read(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> dict[str, Any]:
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        document = json.loads(check(Path(path).read_bytes()))
     except FileNotFoundError as error:
         raise FoggyError(f"{path}: missing. Every frame needs its meta file (or give one camera for all).") from error
     except (OSError, ValueError, RecursionError) as error:

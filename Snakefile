@@ -1,0 +1,94 @@
+"""The experiment, from raw data to tables: `snakemake --cores 2`.
+
+What is run stands in params.yaml (or in the file given by --configfile); how each step is wired stands in
+workflow/rules, one file per word. Every rule is one `foggy` line that can be pasted into a shell.
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+from shlex import quote
+
+from snakemake.utils import min_version
+
+from foggy_synscapes import closure
+from foggy_synscapes import params as parameters
+from foggy_synscapes.errors import FoggyError
+
+min_version("9.27")
+
+# The command `foggy` of the environment that runs this Snakemake.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+
+
+def params_file():
+    """The one params file; values on the command line would not reach the commands, so they are refused."""
+    files = [os.path.relpath(path) for path in workflow.config_settings.configfiles] or ["params.yaml"]
+    if len(files) > 1:
+        raise FoggyError(f"--configfile: give one complete params file, got {' '.join(files)}")
+    if config and config != parameters.read_yaml(files[0]):
+        raise FoggyError("--config: write the values into a params file and give it by --configfile")
+    return files[0]
+
+
+try:
+    PARAMS_FILE = params_file()
+    PARAMS = parameters.load(PARAMS_FILE)
+except FoggyError as error:
+    raise WorkflowError(str(error))
+
+# Commands read params.yaml unless told otherwise; so both engines run the same line on the same file.
+PARAMS_OPTION = "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
+SHARDS = PARAMS.scenes.shards
+ROWS = [*PARAMS.train.from_weights, *PARAMS.train.from_baseline]
+
+
+def code(word):
+    """Source files that a command runs: an edit there re-runs its jobs."""
+    return [f"src/foggy_synscapes/{name}" for name in closure.sources(word)]
+
+
+def section(name, *keys):
+    """Values that a command reads, as text: a change there re-runs its jobs."""
+    values = getattr(PARAMS, name).model_dump(mode="json", by_alias=True)
+    return json.dumps({key: values[key] for key in keys} if keys else values, sort_keys=True)
+
+
+def one_of(names):
+    """Wildcard constraint: one of these names and nothing else."""
+    return "|".join(name.replace(".", r"\.") for name in names)
+
+
+wildcard_constraints:
+    dataset="cityscapes|foggy_cityscapes|foggy_driving|foggy_zurich|synscapes",
+    shard=one_of(SHARDS),
+    beta=one_of(PARAMS.fog.betas),
+    row=one_of(ROWS),
+    network=one_of(PARAMS.train.networks),
+    seed=one_of(PARAMS.train.seeds),
+    test_set=one_of(PARAMS.evaluate.test_sets),
+
+
+TABLES = expand("results/tables/{test_set}.{ending}", test_set=PARAMS.evaluate.test_sets, ending=["csv", "tex", "md"])
+FIGURES = expand("results/figures/{figure}.png", figure=["beta_strip", "fc_against_fs", "curves"]) + expand(
+    "results/figures/predictions_{test_set}.png", test_set=PARAMS.evaluate.test_sets
+)
+
+
+rule all:
+    """The tables and the figures."""
+    default_target: True
+    input:
+        TABLES,
+        FIGURES,
+
+
+include: "workflow/rules/scenes.smk"
+include: "workflow/rules/filter.smk"
+include: "workflow/rules/fog.smk"
+include: "workflow/rules/subset.smk"
+include: "workflow/rules/train.smk"
+include: "workflow/rules/evaluate.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"

@@ -1,0 +1,35 @@
+EVALUATED = "results/evaluate/{test_set}/{network}/{row}/seed-{seed}"
+
+
+def evaluations(test_set, file):
+    """One file of every model's evaluation on a test set."""
+    return expand(
+        f"{EVALUATED}/{file}",
+        test_set=test_set,
+        network=PARAMS.train.networks,
+        row=ROWS,
+        seed=PARAMS.train.seeds,
+    )
+
+
+rule evaluate:
+    """Score one model on one test set."""
+    input:
+        model="results/train/{network}/{row}/seed-{seed}/model.safetensors",
+        index=lambda wildcards: index_parts(wildcards.test_set),
+        code=code("evaluate"),
+    output:
+        f"{EVALUATED}/metrics.json",
+        f"{EVALUATED}/predictions.tar",
+        f"{EVALUATED}/run.json",
+    params:
+        evaluate=section("evaluate", "threads"),
+        scenes=section("scenes", "roots", "zurich_list"),
+    threads: PARAMS.evaluate.threads
+    log:
+        "results/logs/evaluate/{test_set}_{network}_{row}_seed-{seed}.log",
+    benchmark:
+        "results/benchmarks/evaluate/{test_set}_{network}_{row}_seed-{seed}.tsv"
+    shell:
+        "foggy evaluate --network {wildcards.network} --row {wildcards.row} --seed {wildcards.seed}"
+        " --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

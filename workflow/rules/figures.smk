@@ -1,0 +1,40 @@
+def figure_sources(figure):
+    """What a figure is drawn from."""
+    frames = [*index_parts("synscapes"), "results/filter/kept.csv"]
+    if figure == "beta_strip":
+        return frames
+    if figure == "fc_against_fs":
+        return frames + index_parts("foggy_cityscapes") + index_parts("cityscapes")
+    if figure == "curves":
+        return expand(
+            "results/train/{network}/{row}/seed-{seed}/curves.csv",
+            network=PARAMS.train.networks,
+            row=ROWS,
+            seed=PARAMS.train.seeds,
+        )
+    test_set = figure.removeprefix("predictions_")
+    scores = evaluations(test_set, "metrics.json") + evaluations(test_set, "predictions.tar")
+    return index_parts(test_set) + scores
+
+
+rule figures:
+    """Draw one figure."""
+    input:
+        lambda wildcards: figure_sources(wildcards.figure),
+        code=code("figures"),
+    output:
+        "results/figures/{figure}.png",
+        "results/figures/{figure}.pdf",
+        "results/figures/{figure}.run.json",
+    params:
+        figures=section("figures"),
+        fog=section("fog", "geometry"),
+        train=section("train", "networks", "seeds"),
+        tables=section("tables", "rows"),
+        scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
+    log:
+        "results/logs/figures/{figure}.log",
+    benchmark:
+        "results/benchmarks/figures/{figure}.tsv"
+    shell:
+        "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -1,0 +1,18 @@
+rule filter:
+    """Keep frames by their metadata."""
+    input:
+        index=index_parts("synscapes"),
+        code=code("filter"),
+    output:
+        "results/filter/frames.csv",
+        "results/filter/kept.csv",
+        "results/filter/run.json",
+    params:
+        filter=section("filter"),
+        scenes=section("scenes", "roots", "shards"),
+    log:
+        "results/logs/filter.log",
+    benchmark:
+        "results/benchmarks/filter.tsv"
+    shell:
+        "foggy filter{PARAMS_OPTION} > {log:q} 2>&1"

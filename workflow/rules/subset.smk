@@ -1,0 +1,42 @@
+CLEAR = index_parts("cityscapes")
+PARTIAL = CLEAR + index_parts("foggy_cityscapes")
+
+
+def purely_synthetic(row):
+    """What a list of Foggy Synscapes images is made from."""
+    beta = PARAMS.subset.rows()[row].beta
+    manifests = expand("results/fog/beta_{beta}/{shard}.csv", beta=beta, shard=SHARDS)
+    return [*index_parts("synscapes"), "results/filter/kept.csv", *manifests]
+
+
+def subset_sources(row):
+    """What a list is made from, by its kind."""
+    kind = PARAMS.subset.kind(row)
+    if kind in ("clear", "partial"):
+        return CLEAR if kind == "clear" else PARTIAL
+    return purely_synthetic(row) + (PARTIAL if kind == "mixed" else [])
+
+
+for row in ROWS:
+
+    rule:
+        """List the images and labels of one row."""
+        name:
+            f"subset_{row}"
+        input:
+            subset_sources(row),
+            code=code("subset"),
+        output:
+            f"results/subset/{row}/train.csv",
+            f"results/subset/{row}/validation.csv",
+            f"results/subset/{row}/run.json",
+        params:
+            row=row,
+            subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
+            scenes=section("scenes", "roots", "shards", "refined_list", "shard_frames"),
+        log:
+            f"results/logs/subset/{row}.log",
+        benchmark:
+            f"results/benchmarks/subset/{row}.tsv"
+        shell:
+            "foggy subset --row {params.row}{PARAMS_OPTION} > {log:q} 2>&1"

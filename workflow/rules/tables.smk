@@ -1,0 +1,19 @@
+rule tables:
+    """Print the scores of all rows on one test set, beside the published ones."""
+    input:
+        metrics=lambda wildcards: evaluations(wildcards.test_set, "metrics.json"),
+        code=code("tables"),
+    output:
+        "results/tables/{test_set}.csv",
+        "results/tables/{test_set}.tex",
+        "results/tables/{test_set}.md",
+        "results/tables/{test_set}.run.json",
+    params:
+        tables=section("tables"),
+        train=section("train", "networks", "seeds"),
+    log:
+        "results/logs/tables/{test_set}.log",
+    benchmark:
+        "results/benchmarks/tables/{test_set}.tsv"
+    shell:
+        "foggy tables --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"
