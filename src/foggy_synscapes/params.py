@@ -220,8 +220,8 @@ class Duration(Section):
         return self
 
     def steps(self, images: int, batch: int) -> int:
-        """Iterations for a list of so many images; a last, smaller batch of an epoch is dropped."""
-        return self.iterations if self.iterations is not None else self.epochs * (images // batch)
+        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
+        return self.iterations if self.iterations is not None else self.epochs * -(-images // batch)
 
 
 class RowLength(Section):
@@ -239,14 +239,30 @@ class Policy(Section):
     power: Annotated[float, Field(gt=0)]
     momentum: Annotated[float, Field(ge=0, lt=1)]
     weight_decay: Annotated[float, Field(ge=0)]
+    norm_weight_decay: Annotated[float, Field(ge=0)]
     batch: Count
+    accumulate: Count
     crop: tuple[Count, Count]
     scale: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
     flip: bool
     loss: Literal["cross_entropy", "ohem"]
+    ohem_threshold: Annotated[float, Field(gt=0, lt=1)]
+    ohem_kept: Annotated[float, Field(ge=0, le=1)]
+    auxiliary_weight: Annotated[float, Field(ge=0)]
+    loss_stride: Literal[1, 2, 4, 8]
     backbone_rate: Annotated[float, Field(gt=0)]
     new_layer_rate: Annotated[float, Field(gt=0)]
     freeze_batch_norm: bool
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Policy":
+        if self.batch % self.accumulate:
+            raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
+        if self.scale[0] > self.scale[1]:
+            raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
+        if self.crop[0] % 32 or self.crop[1] % 32:
+            raise ValueError(f"crop: {self.crop[0]} x {self.crop[1]} pixels, expected multiples of 32 (deepest stride)")
+        return self
 
 
 class BaselinePolicy(Policy):
@@ -272,7 +288,12 @@ class Train(Section):
 
     threads: Count
     workers: Annotated[int, Field(ge=0)]
+    cache: Annotated[int, Field(ge=0)]
+    device: Literal["cpu", "cuda"]
     precision: Literal["float32", "bfloat16"]
+    memory_format: Literal["channels_last", "contiguous"]
+    curve: Count
+    snapshot: Count
     seeds: Annotated[list[SeedName], Field(min_length=1)]
     networks: Annotated[list[Network], Field(min_length=1)]
     from_weights: list[RowName]
