@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.fog.geometry import Camera
+from foggy_synscapes.camera import Camera
 
 SCENE_KEYS = (
     "altitude_variation", "curb_height", "dist_bicyclists_mean", "dist_bicyclists_stddev", "dist_buses_mean",

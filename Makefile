@@ -1,0 +1,43 @@
+# `make` sets up and runs the main job; `make test` sets up and runs the tests.
+# Needs Python 3.11 or newer, make, a C compiler and pip; everything else comes from requirements.lock into .venv.
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+CORES ?= 2
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: main test lock lint clean
+
+main: $(READY)
+	@echo "== The main job: snakemake --cores $(CORES)"
+	@$(BIN)/snakemake --cores $(CORES)
+	@echo "== Done. Tables: results/tables   Figures: results/figures   How each was made: the .run.json beside it"
+
+test: $(READY)
+	@echo "== The tests: pytest"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest
+
+lint: $(READY)
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/snakefmt --check Snakefile workflow
+
+# A stamp inside .venv: a set-up that was cut off is done again, one that is older than the lock file is brought up to date.
+$(READY): requirements.lock pyproject.toml
+	@echo "== Set-up: .venv from requirements.lock ($(PYTHON)); about two minutes"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.11")'
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $(READY)
+
+# Newest versions that pyproject.toml allows. The local part of torch's version (+cpu, +cu130) is left out,
+# because its CPU and CUDA builds share a version.
+lock: $(READY)
+	@$(BIN)/python -m pip install --quiet pip-tools
+	@$(BIN)/pip-compile --quiet --upgrade --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
+		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
+	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
+
+clean:
+	rm -rf results .snakemake

@@ -1,0 +1,76 @@
+"""Any folder of predictions beside any folder of label maps: which PNG files there are and which belong together."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.scoring.pairing import is_other_map, named_encoding, pair
+
+_IMAGES = (".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".npy", ".npz", ".webp", ".gif")
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """(label, prediction) paths below their folders, sorted; the encodings that file names state; files passed over."""
+
+    pairs: list[tuple[str, str]]
+    labels_named: str | None
+    predictions_named: str | None
+    other_maps: int
+
+
+def find_pairs(labels: Path, predictions: Path, wanted: str | None = None) -> Pairs:
+    """Find and pair all PNG files below two folders.
+
+    Where label maps lie among the other files of Cityscapes (`_color`, `_instanceIds`), these are passed over and
+    counted; where both `_labelIds` and `_labelTrainIds` are there, `wanted` says which to take.
+
+    Raises
+    ------
+    FoggyError
+        If a folder is missing or empty, holds images of another kind, or a file stays without its counterpart.
+    """
+    truth, guess = _png_files(labels, "label maps"), _png_files(predictions, "predictions")
+    maps = [name for name in truth if named_encoding(name)] or truth
+    kinds = {named_encoding(name) for name in maps}
+    if len(kinds) == 2:
+        if wanted is None:
+            raise FoggyError(
+                f"{labels}: holds label maps named labelIds and others named labelTrainIds. "
+                "Say which to score against (--labels-encoding labelIds or trainIds)."
+            )
+        maps, kinds = [name for name in maps if named_encoding(name) == wanted], {wanted}
+    if len(maps) < len(truth):
+        strays = [name for name in truth if not named_encoding(name) and not is_other_map(name)]
+        if strays:
+            raise FoggyError(f"{labels}: {strays[0]} lies among label maps, but its name does not say that it is one")
+    stated = {named_encoding(name) for name in guess}
+    try:
+        pairs = pair(maps, guess)
+    except ValueError as error:
+        raise FoggyError(
+            f"{error} (labels: {labels}, predictions: {predictions}). "
+            "Each label map needs one prediction with the same relative path, or the same unique name."
+        ) from error
+    return Pairs(pairs, kinds.pop(), stated.pop() if len(stated) == 1 else None, len(truth) - len(maps))
+
+
+def _png_files(folder: Path, what: str) -> list[str]:
+    if not folder.is_dir():
+        raise FoggyError(f"{folder}: no such folder of {what}")
+    found, others = [], []
+    for place, _, names in os.walk(folder, followlinks=True):
+        for name in names:
+            relative = (Path(place) / name).relative_to(folder).as_posix()
+            if name.startswith("."):
+                continue
+            if name.lower().endswith(".png"):
+                found.append(relative)
+            elif name.lower().endswith(_IMAGES):
+                others.append(relative)
+    if others:
+        raise FoggyError(f"{folder}: {min(others)} is no PNG file. Only 8-bit grey PNG maps of ids are scored.")
+    if not found:
+        raise FoggyError(f"{folder}: holds no PNG file, expected {what}")
+    return sorted(found)
