@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes import __version__, closure
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 
@@ -58,3 +59,31 @@ def versions(word: str) -> dict[str, str]:
 
 def _hashes(paths: Iterable[str | Path]) -> dict[str, str]:
     return {Path(path).as_posix(): sha256(path) for path in sorted(paths, key=str)}
+
+
+def read_runs(folder: str | Path = "results") -> dict[Path, dict[str, Any]]:
+    """All run records below a folder by their own path, sorted.
+
+    Raises
+    ------
+    FoggyError
+        If a record is no JSON object with command, inputs and outputs.
+    """
+    records = {}
+    for path in sorted(Path(folder).rglob("*run.json")):
+        try:
+            record = json.loads(path.read_text(encoding="utf-8"))
+            complete = isinstance(record, dict) and {"command", "inputs", "outputs"} <= record.keys()
+        except (OSError, ValueError) as error:
+            raise FoggyError(f"{path}: not a readable run record: {error}. Run its step again.") from error
+        if not complete:
+            raise FoggyError(f"{path}: not a run record: command, inputs or outputs missing. Run its step again.")
+        records[path] = record
+    return records
+
+
+def state(path: str | Path, recorded: str) -> str:
+    """Whether a file is as recorded: "unchanged", "changed" or "missing"."""
+    if not Path(path).is_file():
+        return "missing"
+    return "unchanged" if sha256(path) == recorded else "changed"
