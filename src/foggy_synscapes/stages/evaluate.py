@@ -1,0 +1,229 @@
+"""evaluate: score a model on a test set, or anyone's PNG predictions against ground truth."""
+
+import argparse
+import json
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes.datasets import cityscapes, foggy_driving, foggy_zurich
+from foggy_synscapes.datasets.index import expect, index_path, read_index
+from foggy_synscapes.datasets.predictions import find_pairs
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.hashing import read_checked
+from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
+from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.shards import write_shard
+from foggy_synscapes.params import Params, load, root
+from foggy_synscapes.progress import progress
+from foggy_synscapes.scoring.encoding import ENCODINGS
+from foggy_synscapes.scoring.metrics import summarize
+from foggy_synscapes.scoring.tally import Tally
+
+HELP = "Score a model on a test set, or any PNG predictions against label maps (IoU in percent)."
+FOLDER = Path("results/evaluate")
+MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
+TEST_SETS = ("foggy_driving", "foggy_zurich", "cityscapes")
+BATCH = 8  # images that a worker counts before it reports
+JOB = ("network", "row", "seed", "test_set")
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this step."""
+    alone = parser.add_argument_group("any predictions", "score PNG files; no params file and no network is needed")
+    alone.add_argument("--predictions", type=Path, metavar="DIR", help="folder of predicted ids, 8-bit grey PNG")
+    alone.add_argument("--labels", type=Path, metavar="DIR", help="folder of ground truth ids, 8-bit grey PNG")
+    alone.add_argument("--encoding", choices=ENCODINGS, help="of both, where the ids do not tell it themselves")
+    alone.add_argument("--predictions-encoding", choices=ENCODINGS, help="of the predictions alone")
+    alone.add_argument("--labels-encoding", choices=ENCODINGS, help="of the label maps alone")
+    alone.add_argument("--out", type=Path, metavar="FILE", help="where to write the scores, e.g. metrics.json")
+    alone.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="processes (default: 1); the scores do not change"
+    )
+    job = parser.add_argument_group("a trained model", "one job of the pipeline, as params.yaml describes it")
+    job.add_argument("--network", help="e.g. bisenet")
+    job.add_argument("--row", help="row of the tables, e.g. FS-498")
+    job.add_argument("--seed", help="e.g. 0")
+    job.add_argument("--test-set", choices=TEST_SETS, help="test set")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the step from the command line."""
+    given = [f"--{name.replace('_', '-')}" for name in JOB if getattr(args, name) is not None]
+    if given and (args.predictions or args.labels):
+        raise UsageError(
+            f"{given[0]} scores a trained model and --predictions a folder: give the options of one of them"
+        )
+    if given:
+        missing = [f"--{name.replace('_', '-')}" for name in JOB if getattr(args, name) is None]
+        if missing:
+            raise UsageError(f"{', '.join(missing)} missing beside {', '.join(given)}")
+        evaluate(load(args.params), args.network, args.row, args.seed, args.test_set)
+        return
+    if not (args.predictions and args.labels and args.out):
+        raise UsageError("give --predictions, --labels and --out, or --network, --row, --seed and --test-set")
+    if args.jobs < 1:
+        raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+    score(
+        args.predictions,
+        args.labels,
+        args.out,
+        predictions_encoding=args.predictions_encoding or args.encoding,
+        labels_encoding=args.labels_encoding or args.encoding,
+        jobs=args.jobs,
+    )
+
+
+def score(
+    predictions: Path,
+    labels: Path,
+    out: Path,
+    predictions_encoding: str | None = None,
+    labels_encoding: str | None = None,
+    jobs: int = 1,
+) -> dict[str, Any]:
+    """Score a folder of predictions, write `out` and return what it holds.
+
+    Raises
+    ------
+    FoggyError
+        If a file stays without its counterpart, is no 8-bit grey PNG, or differs in size from it; if the encoding
+        is open or contradicted; if no pixel is labelled with a class.
+    """
+    found = find_pairs(labels, predictions, labels_encoding)
+    if found.other_maps:
+        print(f"{labels}: {found.other_maps} files are not maps of the ids asked for and are left out")
+    tally = _count_folders(labels, predictions, found.pairs, jobs)
+    try:
+        truth = tally.labels.encoding(labels_encoding, found.labels_named)
+        guess = tally.predictions.encoding(predictions_encoding, found.predictions_named)
+        scores = summarize(tally.matrix(truth, guess), tally.images)
+    except ValueError as error:
+        raise FoggyError(f"{error} (labels: {labels}, predictions: {predictions})") from error
+    scores["encoding"] = {"labels": truth, "predictions": guess}
+    _write_scores(out, scores)
+    print(f"{out}: labels read as {truth}, predictions as {guess}; {_in_words(scores)}")
+    return scores
+
+
+def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -> None:
+    """Predict a test set by a trained model; write `metrics.json`, `predictions.tar` (trainIds) and `run.json`.
+
+    Raises
+    ------
+    FoggyError
+        If the model or an image is missing, damaged or not as listed, or the label maps are not labelIds.
+    """
+    # Only this way of scoring needs a network, and loading torch takes seconds.
+    import torch
+
+    from foggy_synscapes.networks.weights import load_model
+
+    torch.set_num_threads(params.evaluate.threads)
+    source = Path(MODEL.format(network=network, row=row, seed=seed))
+    if not source.is_file():
+        raise FoggyError(
+            f"{source}: missing. Train it first: foggy train --network {network} --row {row} --seed {seed}"
+        )
+    try:
+        model = load_model(source.read_bytes())
+    except ValueError as error:
+        raise FoggyError(f"{source}: {error}") from error
+    folder = FOLDER / test_set / network / row / f"seed-{seed}"
+    tally = Tally()
+    pairs = _test_pairs(params, test_set)
+    images = _predictions(model, params, test_set, pairs, tally)
+    write_shard(folder / "predictions.tar", progress(images, f"evaluate {test_set}", total=len(pairs)))
+    try:
+        tally.labels.encoding(asked="labelIds")
+        scores = summarize(tally.matrix("labelIds", "trainIds"), tally.images)
+    except ValueError as error:
+        raise FoggyError(f"{test_set}: {error}") from error
+    scores["encoding"] = {"labels": "labelIds", "predictions": "trainIds"}
+    _write_scores(folder / "metrics.json", scores)
+    write_run(
+        folder / "run.json",
+        command=["foggy", "evaluate", "--network", network, "--row", row, "--seed", seed, "--test-set", test_set],
+        params={"evaluate": {"threads": params.evaluate.threads}, "scenes": {"zurich_list": params.scenes.zurich_list}},
+        inputs=[source, index_path(f"{test_set}/all")],
+        outputs=[folder / "metrics.json", folder / "predictions.tar"],
+    )
+    print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}")
+
+
+def _predictions(model: Any, params: Params, test_set: str, pairs: list, tally: Tally) -> Iterator[tuple[str, bytes]]:
+    """Predict image by image, count each, and give (member name, PNG of trainIds)."""
+    index, folder = read_index(f"{test_set}/all"), root(params, test_set)
+    expect(index, [path for pair in pairs for path in pair], test_set)
+    for image, label in pairs:
+        rgb = read_rgb(read_checked(folder / image, index[image]), str(folder / image))
+        truth = read_ids(read_checked(folder / label, index[label]), str(folder / label))
+        predicted = model.predict(rgb)
+        try:
+            tally.add(truth, predicted, label, image)
+        except ValueError as error:
+            raise FoggyError(f"{folder / label}: {error}") from error
+        yield image, encode_png(predicted)
+
+
+def _test_pairs(params: Params, test_set: str) -> list[tuple[str, str]]:
+    """(image, labelIds) paths of a test set, sorted."""
+    folder = root(params, test_set)
+    if test_set == "foggy_driving":
+        pairs = foggy_driving.pairs(folder)
+    elif test_set == "foggy_zurich":
+        pairs = foggy_zurich.pairs(folder, params.scenes.zurich_list)
+    else:
+        pairs = cityscapes.pairs(read_index("cityscapes/all"), "val")
+    return sorted(pairs)
+
+
+def _count_folders(labels: Path, predictions: Path, pairs: list[tuple[str, str]], jobs: int) -> Tally:
+    """Count all pairs of two folders, in `jobs` processes."""
+    tally = Tally()
+    batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
+    jobs = min(jobs, len(batches))
+    if jobs == 1:
+        for pair in progress(pairs, "evaluate"):
+            tally.merge(_count(labels, predictions, [pair]))
+        return tally
+    with ProcessPoolExecutor(jobs) as pool:
+        parts = pool.map(_count, [labels] * len(batches), [predictions] * len(batches), batches)
+        try:
+            for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
+                tally.merge(part)
+        except FoggyError:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return tally
+
+
+def _count(labels: Path, predictions: Path, pairs: list[tuple[str, str]]) -> Tally:
+    tally = Tally()
+    for label, prediction in pairs:
+        truth, guess = read_ids(labels / label), read_ids(predictions / prediction)
+        if truth.shape != guess.shape:
+            raise FoggyError(
+                f"{predictions / prediction}: {_size(guess)}, but its label map {labels / label} has {_size(truth)} "
+                "(rows x columns). Predictions are scored at the size of the labels, never resized."
+            )
+        tally.add(truth, guess, label, prediction)
+    return tally
+
+
+def _size(array: Any) -> str:
+    return " x ".join(map(str, array.shape))
+
+
+def _write_scores(path: Path, scores: dict[str, Any]) -> None:
+    write_text(path, json.dumps(scores, indent=1) + "\n")
+
+
+def _in_words(scores: dict[str, Any]) -> str:
+    means, annotated = scores["mean_iou"], scores["annotated_classes"]
+    return (
+        f"{scores['images']} images, mean IoU {means['annotated']:.2f} % over the {annotated} annotated classes, "
+        f"{means['as_published']:.2f} % with absent classes as 0 (/19)"
+    )
