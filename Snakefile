@@ -15,6 +15,7 @@ from snakemake.utils import min_version
 from foggy_synscapes import closure
 from foggy_synscapes import params as parameters
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.plain_yaml import read_yaml
 
 min_version("9.27")
 
@@ -27,7 +28,7 @@ def params_file():
     files = [os.path.relpath(path) for path in workflow.config_settings.configfiles] or ["params.yaml"]
     if len(files) > 1:
         raise FoggyError(f"--configfile: give one complete params file, got {' '.join(files)}")
-    if config and config != parameters.read_yaml(files[0]):
+    if config and config != read_yaml(files[0]):
         raise FoggyError("--config: write the values into a params file and give it by --configfile")
     return files[0]
 

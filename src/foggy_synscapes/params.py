@@ -8,10 +8,10 @@ import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.plain_yaml import read_yaml
 
 STAND_IN = "stand-in"
 
@@ -260,8 +260,6 @@ class Policy(Section):
             raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
         if self.scale[0] > self.scale[1]:
             raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
-        if self.crop[0] % 32 or self.crop[1] % 32:
-            raise ValueError(f"crop: {self.crop[0]} x {self.crop[1]} pixels, expected multiples of 32 (deepest stride)")
         return self
 
 
@@ -404,34 +402,6 @@ def root(params: Params, dataset: str) -> Path:
     """Folder in which a dataset's real layout begins."""
     folder = getattr(params.scenes.roots, dataset)
     return Path("results/scenes") / dataset if folder == STAND_IN else Path(folder)
-
-
-class _Loader(yaml.SafeLoader):
-    """Plain data only: no tags, no aliases (which can grow without bound), no key twice."""
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.events.AliasEvent):
-            event = self.peek_event()
-            raise yaml.constructor.ConstructorError(None, None, "aliases are not allowed in params", event.start_mark)
-        return super().compose_node(parent, index)
-
-    def construct_mapping(self, node: Any, deep: bool = False) -> dict:
-        keys = [self.construct_object(key, deep=deep) for key, _ in node.value]
-        for key, (place, _) in zip(keys, node.value, strict=True):
-            if keys.count(key) > 1:
-                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} stands twice", place.start_mark)
-        return super().construct_mapping(node, deep)
-
-
-def read_yaml(path: str | Path) -> Any:
-    """Read plain YAML: no tags, no aliases, no key twice. Raises FoggyError naming file and line."""
-    try:
-        with open(path, encoding="utf-8") as file:
-            return yaml.load(file, Loader=_Loader)  # noqa: S506 (a SafeLoader)
-    except FileNotFoundError as error:
-        raise FoggyError(f"{path}: no such params file. The default is params.yaml; others are in params/.") from error
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise FoggyError(f"{path}: not a readable params file: {error}") from error
 
 
 def _explain(problem: dict[str, Any]) -> str:

@@ -1,10 +1,7 @@
 def figure_sources(figure):
     """What a figure is drawn from."""
-    frames = [*index_parts("synscapes"), "results/filter/kept.csv"]
-    if figure == "beta_strip":
-        return frames
-    if figure == "fc_against_fs":
-        return frames + index_parts("foggy_cityscapes") + index_parts("cityscapes")
+    if figure in ("beta_strip", "fc_against_fs"):
+        return [*index_parts("synscapes"), *PARTIAL, "results/filter/kept.csv"]
     if figure == "curves":
         return expand(
             "results/train/{network}/{row}/seed-{seed}/curves.csv",

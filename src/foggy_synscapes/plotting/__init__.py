@@ -1,0 +1,1 @@
+"""Figures from arrays and scores: no path is known here."""

@@ -1,0 +1,138 @@
+"""Atomic files, shards, manifests, tables, indexes and URIs: nothing half-written, nothing outside its folder."""
+
+import tarfile
+from pathlib import Path
+
+import pytest
+
+from foggy_synscapes.datasets import index, uris
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.atomic import replacing, write_bytes, write_text
+from foggy_synscapes.io.hashing import sha256_bytes
+from foggy_synscapes.io.shards import Shard, read_manifest, write_manifest, write_shard
+from foggy_synscapes.io.tables import read_csv, write_csv
+
+
+def test_a_failed_write_leaves_the_old_content_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    write_text(path, "old")
+    with pytest.raises(RuntimeError), replacing(path) as file:
+        file.write(b"new")
+        raise RuntimeError
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.txt"]
+    assert path.read_text() == "old"
+
+
+def test_a_refused_write_is_an_error_that_names_the_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FoggyError, match=r"file/below\.txt: cannot be written"):
+        write_bytes(tmp_path / "file" / "below.txt", b"")
+
+
+def test_a_shard_is_the_same_bytes_each_time_and_any_tar_program_reads_it(tmp_path: Path) -> None:
+    members = [("a.png", b"1"), ("b.png", b"22")]
+    manifest = write_shard(tmp_path / "x.tar", members)
+    write_shard(tmp_path / "y.tar", iter(members))
+    assert (tmp_path / "x.tar").read_bytes() == (tmp_path / "y.tar").read_bytes()
+    with tarfile.open(tmp_path / "x.tar") as tar:
+        assert [(entry.name, entry.mtime, entry.uid) for entry in tar] == [("a.png", 0, 0), ("b.png", 0, 0)]
+    with Shard(tmp_path / "x.tar") as shard:
+        assert shard.names() == ["a.png", "b.png"]
+        assert shard.read("b.png") == b"22"
+        with pytest.raises(FoggyError, match=r"no member c\.png"):
+            shard.read("c.png")
+    assert [(member.name, member.size) for member in manifest] == [("a.png", 1), ("b.png", 2)]
+
+
+def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
+    members = write_shard(tmp_path / "x.tar", [("a.png", b"1")])
+    write_manifest(tmp_path / "x.csv", members)
+    assert read_manifest(tmp_path / "x.csv") == members
+
+
+@pytest.mark.parametrize("name", ["../x.png", "/x.png", "a/../../x.png", "a\\x.png", ""])
+def test_a_member_that_leaves_its_folder_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match="unsafe member name"):
+        write_shard(tmp_path / "x.tar", [(name, b"")])
+    write_csv(tmp_path / "x.csv", ("name", "size", "sha256"), [(name, 0, "")])
+    with pytest.raises(FoggyError, match="unsafe member name"):
+        read_manifest(tmp_path / "x.csv")
+
+
+def test_members_out_of_order_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="sorted by name"):
+        write_shard(tmp_path / "x.tar", [("b", b""), ("a", b"")])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_shard_that_is_cut_off_or_holds_links_is_refused(tmp_path: Path) -> None:
+    write_shard(tmp_path / "x.tar", [("a.png", b"1" * 5000)])
+    (tmp_path / "cut.tar").write_bytes((tmp_path / "x.tar").read_bytes()[:3000])
+    with tarfile.open(tmp_path / "link.tar", "w") as tar:
+        entry = tarfile.TarInfo("a.png")
+        entry.type, entry.linkname = tarfile.SYMTYPE, "/etc/hostname"
+        tar.addfile(entry)
+    with pytest.raises(FoggyError, match="not a shard|cut off"):
+        Shard(tmp_path / "cut.tar").read("a.png")
+    with pytest.raises(FoggyError, match="plain files only"):
+        Shard(tmp_path / "link.tar")
+    with pytest.raises(FoggyError, match="cannot be read"):
+        Shard(tmp_path / "none.tar")
+
+
+def test_a_table_that_lacks_a_column_or_a_cell_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text("a,b\n1,2\n3\n")
+    with pytest.raises(FoggyError, match="line 3: 1 cells, expected 2"):
+        read_csv(path)
+    with pytest.raises(FoggyError, match="column c missing; found a, b"):
+        read_csv(path, ("c",))
+
+
+@pytest.fixture
+def dataset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    root = tmp_path / "data"
+    for name in ("b.png", "a/c.png"):
+        write_bytes(root / name, name.encode())
+    return root
+
+
+def test_an_index_lists_sizes_and_hashes_sorted_by_path(dataset: Path) -> None:
+    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    assert index.read_index("demo/all") == {"a/c.png": sha256_bytes(b"a/c.png"), "b.png": sha256_bytes(b"b.png")}
+    assert index.index_path("demo/all").read_text().splitlines()[1].startswith("a/c.png,7,")
+
+
+def test_a_file_of_unchanged_size_and_time_is_not_read_again(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    write_bytes(dataset / "b.png", b"other")
+    read = []
+    monkeypatch.setattr(index, "sha256", lambda path: read.append(path.name) or "0" * 64)
+    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    assert read == ["b.png"]
+
+
+def test_a_missing_file_or_one_outside_the_root_cannot_be_listed(dataset: Path, tmp_path: Path) -> None:
+    with pytest.raises(FoggyError, match=r"none\.png: missing"):
+        index.write_index("demo/all", dataset, ["none.png"])
+    (tmp_path / "secret").write_text("x")
+    (dataset / "link.png").symlink_to(tmp_path / "secret")
+    for path in ("link.png", "../secret"):
+        with pytest.raises(FoggyError, match="leads out of the dataset's folder"):
+            index.write_index("demo/all", dataset, [path])
+
+
+def test_a_uri_gives_the_listed_bytes_and_no_others(dataset: Path, tmp_path: Path) -> None:
+    write_shard(tmp_path / "results/fog/beta_0.005/0000.tar", [("00001_beta_0.005.png", b"fog")])
+    reader = uris.Reader({"cityscapes": dataset})
+    fog = uris.of_fog("0.005", "0000", "00001_beta_0.005.png")
+    assert reader.read(fog, sha256_bytes(b"fog")) == b"fog"
+    assert reader.read("cityscapes:b.png", sha256_bytes(b"b.png")) == b"b.png"
+    with pytest.raises(FoggyError, match="its content changed since it was listed"):
+        reader.read("cityscapes:b.png", sha256_bytes(b"before"))
+    for uri in ("cityscapes:../x", "cityscapes:/etc/hostname", "b.png", "fog:../x.tar#a", "fog:x.tar#../a"):
+        with pytest.raises(FoggyError, match="not the name of an image"):
+            reader.read(uri, "")
+    with pytest.raises(FoggyError, match="no dataset 'kitti'"):
+        reader.read("kitti:b.png", "")
