@@ -48,7 +48,7 @@ class AttentionRefinement(nn.Module):
 class FeatureFusion(nn.Module):
     """Joins the two paths and adds the joint channels once more, weighed by what the whole image holds.
 
-    perceptron : two 1x1 convolutions with a ReLU between give the weights, as in TorchSeg; otherwise one with batch norm
+    perceptron : two 1x1 convolutions with a ReLU between give the weights (TorchSeg); otherwise one with batch norm
     """
 
     def __init__(self, inputs: int, outputs: int, perceptron: bool) -> None:

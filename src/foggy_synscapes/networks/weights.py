@@ -96,27 +96,33 @@ def load_model(data: bytes) -> Model:
     preprocessing = Preprocessing(**{**about["preprocessing"], **_tuples(about["preprocessing"])})
     with torch.device("meta"):
         network = build(config)
-    assign(network, tensors)
+    check_fit(network, tensors)
+    network.load_state_dict(tensors, strict=True, assign=True)
     return Model(network.to(memory_format=torch.channels_last).eval(), preprocessing)
 
 
-def assign(network: Network, tensors: dict[str, Tensor]) -> None:
-    """Give a network the tensors of exactly its names, shapes and types; ValueError says what does not fit."""
+def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
+    """Raise ValueError, saying what does not fit, unless names, shapes and types are exactly the network's."""
+    about = f"weights do not fit {network.config.name} ({network.config.backbone})"
     wanted = network.state_dict()
     missing, extra = sorted(set(wanted) - set(tensors)), sorted(set(tensors) - set(wanted))
     if missing or extra:
         raise ValueError(
-            f"weights do not fit {network.config.name} ({network.config.backbone}): "
-            f"{len(missing)} missing {missing[:3]}, {len(extra)} left over {extra[:3]}. Is this another network's file?"
+            f"{about}: {len(missing)} tensors missing {missing[:3]}, {len(extra)} left over {extra[:3]}. "
+            "Is this another network's file?"
         )
     for name, tensor in tensors.items():
         if tensor.shape != wanted[name].shape or tensor.dtype != wanted[name].dtype:
             raise ValueError(
-                f"weights do not fit {network.config.name} ({network.config.backbone}): {name} is "
-                f"{tensor.dtype} {tuple(tensor.shape)}, expected {wanted[name].dtype} {tuple(wanted[name].shape)}. "
-                "Has it another width or another number of classes?"
+                f"{about}: {name} is {tensor.dtype} {tuple(tensor.shape)}, expected {wanted[name].dtype} "
+                f"{tuple(wanted[name].shape)}. Has it another width or another number of classes?"
             )
-    network.load_state_dict(tensors, strict=True, assign=True)
+
+
+def assign_values(network: Network, tensors: dict[str, Tensor]) -> None:
+    """Copy weights into a network that exists, keeping its device and layout in memory (see `check_fit`)."""
+    check_fit(network, tensors)
+    network.load_state_dict(tensors, strict=True)
 
 
 def read_tensors(data: bytes, key: str) -> tuple[dict, dict[str, Tensor]]:
@@ -125,7 +131,7 @@ def read_tensors(data: bytes, key: str) -> tuple[dict, dict[str, Tensor]]:
         tensors = safetensors.torch.load(data)
         header = json.loads(data[8 : 8 + int.from_bytes(data[:8], "little")])
     except (SafetensorError, ValueError) as error:
-        raise ValueError(f"not a whole safetensors file ({error}). Was it cut off, or is it of another kind?") from error
+        raise ValueError(f"no whole safetensors file ({error}). Was it cut off, or is it of another kind?") from error
     try:
         return json.loads(header["__metadata__"][key]), tensors
     except KeyError:

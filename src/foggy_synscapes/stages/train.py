@@ -1,0 +1,241 @@
+"""train: a network learns from the list of a row; the snapshot with the lowest validation loss becomes its model."""
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from foggy_synscapes.datasets.labels import CLASSES, to_train_ids
+from foggy_synscapes.datasets.uris import Reader
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.images import read_ids, read_rgb
+from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.params import Duration, NetworkSettings, Params, load, root
+from foggy_synscapes.progress import progress
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from foggy_synscapes.networks.weights import Model
+    from foggy_synscapes.training.loader import Samples
+
+HELP = "Train a network on a row's list, from its own weights or from the baseline; goes on where it was interrupted."
+FOLDER = Path("results/train")
+LISTS = Path("results/subset")
+BASELINE = "C"
+DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes")
+NO_WEIGHTS = "none"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this step."""
+    parser.add_argument("--network", required=True, choices=["refinenet", "bisenet"], help="network to train")
+    parser.add_argument("--row", required=True, help="row of the tables, e.g. FS-498: a key of the section subset")
+    parser.add_argument("--seed", required=True, help="whole number from which all random choices follow, e.g. 0")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the step from the command line."""
+    params = load(args.params)
+    rows = [*params.train.from_weights, *params.train.from_baseline]
+    if args.row not in rows:
+        raise UsageError(f"--row {args.row}: not in the params section train; it has {', '.join(rows)}")
+    if not args.seed.isascii() or not args.seed.isdigit():
+        raise UsageError(f"--seed {args.seed}: expected a whole number from 0")
+    train(params, args.network, args.row, args.seed)
+
+
+def train(params: Params, network: str, row: str, seed: str) -> None:
+    """Write `model.safetensors`, `curves.csv` and `run.json` to results/train/NETWORK/ROW/seed-SEED.
+
+    A training that was cut off goes on from `snapshot.safetensors` in the same folder, to the same bytes as if it had
+    not been; the snapshot is removed at the end.
+
+    Raises
+    ------
+    FoggyError
+        If an image or label is missing, was changed since it was listed or is not what training needs; if the start
+        weights are of another network; if the loss is no number; if the snapshot was taken with other settings.
+    """
+    _set_threads(params.train.threads)
+    from foggy_synscapes.networks.weights import dump
+    from foggy_synscapes.training import loop
+    from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
+    from foggy_synscapes.training.policy import Policy
+
+    settings: NetworkSettings = getattr(params.train, network)
+    fine_tuned = row in params.train.from_baseline
+    chosen = settings.fine_tuning if fine_tuned else settings.baseline
+    policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
+    schedule = params.train.rows[row] if fine_tuned else settings.baseline
+    folder = FOLDER / network / row / f"seed-{seed}"
+    lists = {name: LISTS / row / f"{name}.csv" for name in ("train", "validation")}
+    start = FOLDER / network / BASELINE / f"seed-{seed}" / "model.safetensors" if fine_tuned else settings.weights
+
+    model = _start(settings, network, start, int(seed))
+    training, validation = _samples(params, lists)
+    record = _record(params, settings, network, row, fine_tuned)
+    inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
+    identity = {"params": record, "seed": seed, "inputs": {Path(path).as_posix(): sha256(path) for path in inputs}}
+    snapshot = folder / "snapshot.safetensors"
+    try:
+        plan = _plan(params, schedule.length, schedule.validate_, training.count, policy.batch, int(seed))
+        bar = tqdm(desc=f"train {network} {row}", unit="image", total=plan.steps * policy.batch, disable=None)
+        with bar:
+            outcome = loop.train(
+                model.network,
+                model.preprocessing,
+                policy,
+                plan,
+                Arithmetic(params.train.device, params.train.precision, params.train.memory_format),
+                training,
+                validation,
+                save=lambda data: write_bytes(snapshot, data),
+                settings=identity,
+                snapshot=_resume(snapshot, network, row),
+                report=_reporter(bar, policy.batch),
+            )
+    except NotFiniteError as error:
+        raise FoggyError(f"{network} {row}: {error}") from error
+    except ValueError as error:
+        raise FoggyError(f"{network} {row}: {error}") from error
+    model.network.load_state_dict(outcome.best)
+    outputs = [folder / "model.safetensors", folder / "curves.csv"]
+    write_bytes(outputs[0], dump(model.network, model.preprocessing))
+    write_csv(outputs[1], loop.CURVE, outcome.curve)
+    write_run(
+        folder / "run.json",
+        command=["foggy", "train", "--network", network, "--row", row, "--seed", seed],
+        params={"train": record},
+        inputs=inputs,
+        outputs=outputs,
+    )
+    snapshot.unlink(missing_ok=True)
+    print(
+        f"train {network} {row}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} "
+        f"after iteration {outcome.best_step} (kept)"
+    )
+
+
+def _set_threads(threads: int) -> None:
+    """Pin the number of threads, which is part of what makes the bytes, before and after PyTorch is imported."""
+    for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = str(threads)
+    import torch
+
+    torch.set_num_threads(threads)
+    torch.use_deterministic_algorithms(True)
+    # Filling new memory would only hide reads of it, which these operations do not make, and costs time.
+    torch.utils.deterministic.fill_uninitialized_memory = False
+
+
+def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int) -> "Model":
+    """The network with its start weights: random ones of the seed, or those of a model file."""
+    import torch
+
+    from foggy_synscapes.networks.build import build
+    from foggy_synscapes.networks.config import NetworkConfig
+    from foggy_synscapes.networks.weights import Model, Preprocessing, load_model
+    from foggy_synscapes.training.streams import torch_seed
+
+    config = NetworkConfig(
+        network, settings.backbone, settings.width, settings.decoder, len(CLASSES), auxiliary=network == "bisenet"
+    )
+    if start == NO_WEIGHTS:
+        torch.manual_seed(torch_seed(seed, "start"))
+        return Model(build(config), Preprocessing())
+    try:
+        model = load_model(Path(start).read_bytes())
+    except OSError as error:
+        raise FoggyError(f"{start}: the start weights cannot be read: {error.strerror}. Train row C first.") from error
+    except ValueError as error:
+        raise FoggyError(f"{start}: {error}") from error
+    if model.config != config:
+        raise FoggyError(f"{start}: holds {model.config}, but params ask for {config}. Train it again, or edit params.")
+    return model
+
+
+def _plan(params: Params, length: Duration, validate: Duration, images: int, batch: int, seed: int) -> Any:
+    from foggy_synscapes.training.loop import Plan
+
+    return Plan(
+        steps=length.steps(images, batch),
+        validate_every=validate.steps(images, batch),
+        curve_every=params.train.curve,
+        snapshot_every=params.train.snapshot,
+        seed=seed,
+        workers=params.train.workers,
+    )
+
+
+def _record(params: Params, settings: NetworkSettings, network: str, row: str, fine_tuned: bool) -> dict[str, Any]:
+    """The params that decide what this training gives: not its workers or memory; start weights are inputs."""
+    shared = {"threads", "device", "precision", "memory_format", "curve"}
+    unused = {"weights", "baseline" if fine_tuned else "fine_tuning"}
+    record: dict[str, Any] = params.train.model_dump(include=shared, by_alias=True)
+    record[network] = settings.model_dump(exclude=unused, by_alias=True, mode="json")
+    if fine_tuned:
+        record["rows"] = {row: params.train.rows[row].model_dump(by_alias=True)}
+    return record
+
+
+def _resume(snapshot: Path, network: str, row: str) -> bytes | None:
+    if not snapshot.exists():
+        return None
+    print(f"train {network} {row}: going on from {snapshot}")
+    return snapshot.read_bytes()
+
+
+def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:
+    def report(done: int, loss: float, rate: float) -> None:
+        bar.set_postfix({"loss": f"{loss:.3f}", "rate": f"{rate:.2e}"}, refresh=False)
+        bar.update(done * batch - bar.n)
+
+    return report
+
+
+def _samples(params: Params, lists: dict[str, Path]) -> tuple["Samples", "Samples"]:
+    """Training and validation samples; decoded ones stay in memory while they fit into `train.cache`."""
+    from foggy_synscapes.training.loader import Samples
+
+    reader = Reader({name: root(params, name) for name in DATASETS})
+    budget = params.train.cache * 2**20
+    found = []
+    for name, path in lists.items():
+        rows = read_csv(path, ("image", "image_sha256", "label", "label_sha256"))
+        if not rows:
+            raise FoggyError(f"{path}: lists no image")
+        memory: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for index in progress(range(len(rows)), f"read {name} list"):
+            sample = _load(reader, rows[index])
+            budget -= sample[0].nbytes + sample[1].nbytes
+            if budget < 0:
+                break
+            memory[index] = sample
+
+        def get(index: int, rows: list = rows, memory: dict = memory) -> "tuple[np.ndarray, np.ndarray]":
+            return memory[index] if index in memory else _load(reader, rows[index])
+
+        found.append(Samples(get, lambda index, rows=rows: rows[index]["image"], len(rows)))
+    return found[0], found[1]
+
+
+def _load(reader: Reader, row: dict[str, str]) -> "tuple[np.ndarray, np.ndarray]":
+    """Decode one sample of a list, checked against its hashes and against the label encoding."""
+    image = read_rgb(reader.read(row["image"], row["image_sha256"]), row["image"])
+    ids = read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])
+    if image.shape[:2] != ids.shape:
+        raise FoggyError(
+            f"{row['label']}: {ids.shape[0]} x {ids.shape[1]} pixels, but {row['image']} has "
+            f"{image.shape[0]} x {image.shape[1]}. Do they belong together?"
+        )
+    try:
+        return image, to_train_ids(ids, row["label"])
+    except ValueError as error:
+        raise FoggyError(str(error)) from error

@@ -1,0 +1,71 @@
+"""Random resizing, cropping and flipping of an image with its label map."""
+
+import numpy as np
+import torch
+import torch.nn.functional as functional
+
+IGNORE = 255
+FILL = (124, 116, 104)  # 8-bit RGB outside of the image: ImageNet's mean, which preprocessing turns into 0
+
+
+def augment(
+    image: np.ndarray,
+    labels: np.ndarray,
+    crop: tuple[int, int],
+    scale: tuple[float, float],
+    flip: bool,
+    random: np.random.Generator,
+) -> tuple[np.ndarray, np.ndarray]:
+    """A random window of the image, brought to the size of the crop.
+
+    Resizing by s and then cropping is cropping a window smaller by s and then resizing: only the window is touched.
+
+    Parameters
+    ----------
+    image : uint8 (H, W, 3); labels : uint8 (H, W), trainIds
+    crop : rows and columns of the result, in pixels
+    scale : smallest and largest factor of the resizing, drawn uniformly
+    flip : mirror left and right in half of the cases
+    random : all random choices come from it, in a fixed number and order
+
+    Returns
+    -------
+    Image uint8 (*crop, 3), resized bilinearly, and labels uint8 (*crop), by nearest neighbour. Where the window is
+    larger than the image, the rest is filled with `FILL` and ignored.
+    """
+    if image.shape[:2] != labels.shape:
+        raise ValueError(f"labels: {labels.shape} pixels, but the image has {image.shape[:2]}")
+    factor = random.uniform(*scale)
+    corners = random.random(2)
+    mirrored = random.random() < 0.5
+    window = [max(1, round(side / factor)) for side in crop]
+    rows, columns = (_span(size, part, place) for size, part, place in zip(labels.shape, window, corners, strict=True))
+    image, labels = _cut(image, rows, columns, FILL), _cut(labels, rows, columns, IGNORE)
+    if tuple(window) != tuple(crop):
+        pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
+        pixels = functional.interpolate(pixels, size=crop, mode="bilinear", align_corners=False)
+        image = pixels[0].permute(1, 2, 0).numpy()
+        nearest = ((np.arange(out) + 0.5) * part / out for out, part in zip(crop, window, strict=True))
+        labels = labels[np.ix_(*(places.astype(np.intp) for places in nearest))]
+    if flip and mirrored:
+        image, labels = image[:, ::-1], labels[:, ::-1]
+    return np.ascontiguousarray(image), np.ascontiguousarray(labels)
+
+
+def _span(size: int, part: int, place: float) -> tuple[int, int]:
+    """Begin and end of a window along one axis: inside of the image, or around it where the window is larger."""
+    low, high = sorted((0, size - part))
+    begin = low + int(place * (high - low + 1))
+    return begin, begin + part
+
+
+def _cut(array: np.ndarray, rows: tuple[int, int], columns: tuple[int, int], fill: int | tuple[int, ...]) -> np.ndarray:
+    (top, bottom), (left, right) = rows, columns
+    height, width = array.shape[:2]
+    inside = array[max(top, 0) : min(bottom, height), max(left, 0) : min(right, width)]
+    if inside.shape[:2] == (bottom - top, right - left):
+        return inside
+    whole = np.empty((bottom - top, right - left, *array.shape[2:]), array.dtype)
+    whole[...] = fill
+    whole[max(-top, 0) :, max(-left, 0) :][: inside.shape[0], : inside.shape[1]] = inside
+    return whole

@@ -1,0 +1,152 @@
+"""The training loop."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from foggy_synscapes.networks.network import Network
+from foggy_synscapes.networks.weights import Preprocessing
+from foggy_synscapes.training import losses, snapshots
+from foggy_synscapes.training.forward import Arithmetic, NotFiniteError, forward
+from foggy_synscapes.training.loader import Batch, Samples, Steps, batches
+from foggy_synscapes.training.order import steps_per_epoch
+from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
+from foggy_synscapes.training.snapshots import Progress
+from foggy_synscapes.training.streams import torch_seed
+from foggy_synscapes.training.validation import validate
+
+CURVE = ("step", "epoch", "learning_rate", "train_loss", "validation_loss", "validation_miou")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long to train and how often to look.
+
+    steps : optimiser steps; validate_every, curve_every, snapshot_every : steps between validations, rows, snapshots
+    seed : of order, augmentation and dropout; workers : loader processes
+    """
+
+    steps: int
+    validate_every: int
+    curve_every: int
+    snapshot_every: int
+    seed: int
+    workers: int
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "validate_every", "curve_every", "snapshot_every"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name}: {getattr(self, name)}, expected at least 1")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The weights with the lowest validation loss, when they were reached, and the rows of the curve."""
+
+    best: dict[str, Tensor]
+    best_step: int
+    best_loss: float
+    curve: list[list[float | int | None]]
+
+
+def train(
+    network: Network,
+    preprocessing: Preprocessing,
+    policy: Policy,
+    plan: Plan,
+    arithmetic: Arithmetic,
+    training: Samples,
+    validation: Samples,
+    save: Callable[[bytes], None],
+    settings: dict,
+    snapshot: bytes | None = None,
+    report: Callable[[int, float, float], None] = lambda step, loss, rate: None,
+) -> Outcome:
+    """Train a network, keep the weights of the lowest validation loss, and save snapshots to go on from.
+
+    Started again with the last snapshot and the same arguments, the outcome is the same to the last bit.
+
+    Parameters
+    ----------
+    save : takes the bytes of a snapshot; settings : plain values that identify the training, kept in it
+    snapshot : bytes that `save` was given in an earlier run, or None to begin
+    report : called after each step with the number of steps done, the step's loss and its learning rate
+
+    Raises
+    ------
+    NotFiniteError
+        If a training or validation loss is infinite or not a number.
+    ValueError
+        If a batch is larger than the list, or the snapshot is not one of this training (see `snapshots.restore`).
+    """
+    epoch = steps_per_epoch(training.count, policy.batch)
+    arithmetic.place(network)
+    set_training(network, policy)
+    optimiser = torch.optim.SGD(parameter_groups(network, policy), lr=policy.learning_rate, momentum=policy.momentum)
+    best: dict[str, Tensor] = {}
+    progress = Progress()
+    if snapshot is not None:
+        best, progress = snapshots.restore(snapshot, network, optimiser, settings)
+    steps = Steps(training, policy, plan.seed, progress.step, plan.steps)
+    for batch in batches(steps, plan.workers, pinned=arithmetic.device == "cuda"):
+        step = progress.step
+        rate = policy.rate(step, plan.steps)
+        for group in optimiser.param_groups:
+            group["lr"] = rate * group["factor"]
+        torch.manual_seed(torch_seed(plan.seed, "dropout", step))
+        loss = _step(network, preprocessing, policy, arithmetic, optimiser, batch)
+        if not math.isfinite(loss):
+            names = ", ".join(training.name(index) for index in batch.indices)
+            raise NotFiniteError(f"loss is {loss} at step {step + 1}, on {names}. Is the learning rate too high?")
+        progress.step = done = step + 1
+        progress.losses = [progress.losses[0] + loss, progress.losses[1] + 1]
+        last = done == plan.steps
+        scores: tuple[float | None, float | None] = (None, None)
+        if done % plan.validate_every == 0 or last:
+            scores = validate(network, preprocessing, policy, arithmetic, validation)
+            if progress.best_loss is None or scores[0] < progress.best_loss:
+                progress.best_loss, progress.best_step = scores[0], done
+                best = {name: tensor.detach().clone() for name, tensor in network.state_dict().items()}
+            set_training(network, policy)
+        if done % plan.curve_every == 0 or scores[0] is not None:
+            mean = progress.losses[0] / progress.losses[1]
+            progress.curve.append([done, done / epoch, rate, mean, *scores])
+            progress.losses = [0.0, 0]
+        if done % plan.snapshot_every == 0 and not last:
+            save(snapshots.dump(network, optimiser, best, progress, settings))
+        report(done, loss, rate)
+    return Outcome(best, progress.best_step, progress.best_loss, progress.curve)
+
+
+def _step(
+    network: Network,
+    preprocessing: Preprocessing,
+    policy: Policy,
+    arithmetic: Arithmetic,
+    optimiser: torch.optim.Optimizer,
+    batch: Batch,
+) -> float:
+    """One optimiser step; returns the loss, the mean over the passes into which the batch is split."""
+    optimiser.zero_grad(set_to_none=True)
+    value = 0.0
+    parts = zip(batch.images.chunk(policy.accumulate), batch.labels.chunk(policy.accumulate), strict=True)
+    for images, labels in parts:
+        outputs, targets = forward(network, preprocessing, arithmetic, policy.loss_stride, images, labels)
+        loss = losses.total(
+            outputs,
+            targets,
+            network.corners,
+            policy.loss,
+            policy.ohem_threshold,
+            policy.ohem_kept,
+            policy.auxiliary_weight,
+        )
+        loss = loss / policy.accumulate
+        loss.backward()
+        value += float(loss.detach())
+    if math.isfinite(value):
+        optimiser.step()
+    return value

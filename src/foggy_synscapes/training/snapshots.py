@@ -1,0 +1,94 @@
+"""The state of a training as bytes: everything that the next step depends on, in safetensors, without pickle."""
+
+import json
+from dataclasses import dataclass, field
+
+import safetensors.torch
+import torch
+from torch import Tensor, nn
+
+from foggy_synscapes.networks.network import Network
+from foggy_synscapes.networks.weights import assign_values, read_tensors
+
+KEY = "foggy_snapshot"
+
+
+@dataclass
+class Progress:
+    """What a training has done so far, apart from weights.
+
+    step : steps done; curve : rows (see `loop.CURVE`); losses : sum and number of step losses since the last row
+    best_loss, best_step : lowest validation loss so far and the step after which it was reached
+    """
+
+    step: int = 0
+    curve: list[list[float | int | None]] = field(default_factory=list)
+    losses: list[float] = field(default_factory=lambda: [0.0, 0])
+    best_loss: float | None = None
+    best_step: int | None = None
+
+
+def dump(
+    network: Network,
+    optimiser: torch.optim.Optimizer,
+    best: dict[str, Tensor],
+    progress: Progress,
+    settings: dict,
+) -> bytes:
+    """A snapshot. `settings` : plain values that must be the same where it is taken up again.
+
+    The schedule, the order of samples, the augmentation and dropout are functions of the seed and the step
+    (see `streams`), so there is no other state to keep.
+    """
+    tensors = {f"network/{name}": tensor for name, tensor in network.state_dict().items()}
+    tensors |= {f"best/{name}": tensor for name, tensor in best.items()}
+    for name, parameter in network.named_parameters():
+        buffer = optimiser.state.get(parameter, {}).get("momentum_buffer")
+        if buffer is not None:
+            tensors[f"momentum/{name}"] = buffer
+    about = {"progress": vars(progress), "settings": settings}
+    return safetensors.torch.save(
+        {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()},
+        {KEY: json.dumps(about, sort_keys=True)},
+    )
+
+
+def restore(
+    data: bytes, network: Network, optimiser: torch.optim.Optimizer, settings: dict
+) -> tuple[dict[str, Tensor], Progress]:
+    """Bring a network and its optimiser to the state of a snapshot; returns the best weights so far and the progress.
+
+    Raises
+    ------
+    ValueError
+        If it is no snapshot, was cut off, was taken with other settings (which are named), or of another network.
+    """
+    about, tensors = read_tensors(data, KEY)
+    different = differences(about["settings"], json.loads(json.dumps(settings)))
+    if different:
+        raise ValueError("snapshot of a training with other settings: " + "; ".join(different))
+    parts: dict[str, dict[str, Tensor]] = {"network": {}, "best": {}, "momentum": {}}
+    for name, tensor in tensors.items():
+        part, _, rest = name.partition("/")
+        parts[part][rest] = tensor
+    assign_values(network, parts["network"])
+    _restore_momentum(network, optimiser, parts["momentum"])
+    return parts["best"], Progress(**about["progress"])
+
+
+def differences(old: object, new: object, place: str = "") -> list[str]:
+    """What differs between two trees of plain values, as lines "key: old -> new", sorted by key."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        lines = []
+        for key in sorted({*old, *new}):
+            lines += differences(old.get(key), new.get(key), f"{place}.{key}" if place else key)
+        return lines
+    return [] if old == new else [f"{place}: {old} -> {new}"]
+
+
+def _restore_momentum(network: nn.Module, optimiser: torch.optim.Optimizer, buffers: dict[str, Tensor]) -> None:
+    for name, parameter in network.named_parameters():
+        if name in buffers:
+            # The parameter's own layout in memory: the optimiser steps through both together.
+            buffer = torch.empty_like(parameter).copy_(buffers[name])
+            optimiser.state[parameter]["momentum_buffer"] = buffer
