@@ -8,7 +8,8 @@ still be found from the sum (see `encoding`) before it is folded to classes (`fo
 import numpy as np
 
 IDS = 256
-CHUNK = 1 << 18  # pixels: the intermediate arrays of one chunk stay in the processor's cache
+CHUNK = 1 << 19  # pixels: bounds the memory of the intermediate arrays
+WORD = 8  # flags in a 64-bit word
 VOID = -1  # in a table of `fold`: the id is valid and belongs to no class
 UNKNOWN = -2  # in a table of `fold`: the id does not exist in the encoding
 
@@ -50,23 +51,34 @@ def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
 
 
 def _count(labels: np.ndarray, predictions: np.ndarray, counts: np.ndarray) -> None:
-    # Maps of things consist of long runs of one id: finding where a run ends is much cheaper than looking
-    # at each pixel. Noisy maps, in which runs are short, are counted pixel by pixel.
-    ends = np.empty(labels.size, bool)
-    ends[-1] = True
-    np.not_equal(labels[1:], labels[:-1], out=ends[:-1])
-    ends[:-1] |= predictions[1:] != predictions[:-1]
-    if np.count_nonzero(ends) * 8 > ends.size:
-        pairs = labels.astype(np.intp)
-        pairs <<= 8
-        pairs |= predictions
-        counts += np.bincount(pairs, minlength=counts.size)
+    # Maps of things consist of long runs of one pair: finding where runs end is much cheaper than looking at each
+    # pixel. Noisy maps, in which runs are short, are counted pixel by pixel.
+    size = labels.size
+    ends = np.zeros(-(-size // WORD) * WORD, bool)
+    ends[size - 1] = True
+    between = ends[: size - 1]
+    np.not_equal(labels[1:], labels[:-1], out=between)
+    between |= predictions[1:] != predictions[:-1]
+    if np.count_nonzero(ends) * 8 > size:
+        counts += np.bincount(_pairs(labels, predictions), minlength=counts.size)
         return
-    last = np.flatnonzero(ends)
-    pairs = labels[last].astype(np.intp)
-    pairs <<= 8
-    pairs |= predictions[last]
-    np.add.at(counts, pairs, np.diff(last, prepend=-1))
+    last = _true_places(ends)
+    np.add.at(counts, _pairs(labels[last], predictions[last]), np.diff(last, prepend=-1))
+
+
+def _pairs(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
+    pairs = labels.astype(np.intp)
+    pairs *= IDS
+    pairs += predictions
+    return pairs
+
+
+def _true_places(flags: np.ndarray) -> np.ndarray:
+    # As np.flatnonzero, three times as fast where few are true: words of eight flags are looked through first.
+    words = flags.view(np.uint64)
+    busy = np.flatnonzero(words != 0)
+    places = np.flatnonzero(words[busy].view(bool))
+    return busy[places // WORD] * WORD + places % WORD
 
 
 def fold(counts: np.ndarray, label_classes: np.ndarray, predicted_classes: np.ndarray, classes: int) -> np.ndarray:

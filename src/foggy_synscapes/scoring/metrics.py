@@ -64,3 +64,27 @@ def summarize(matrix: np.ndarray, images: int) -> dict[str, Any]:
 
 def _percent(fraction: float) -> float | None:
     return None if math.isnan(fraction) else 100.0 * float(fraction)
+
+
+def check(document: Any) -> None:
+    """Raise ValueError unless a document has the form of `summarize` and the 19 classes in their order."""
+    try:
+        names = [entry["name"] for entry in document["classes"]]
+        if len(names) != len(CLASSES):
+            raise ValueError(f"scores of {len(names)} classes, expected the {len(CLASSES)} of Cityscapes")
+        for name, expected in zip(names, CLASSES, strict=True):
+            if name != expected:
+                raise ValueError(f"class {name!r} where {expected!r} is expected")
+        scores = [entry["iou"] for entry in document["classes"]]
+        means = [document["mean_iou"][convention] for convention in ("annotated", "as_published")]
+        counts = [entry[key] for entry in document["classes"] for key in ("tp", "fp", "fn")] + [document["images"]]
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"not the scores of a test set ({error!r})") from None
+    for value in [score for score in scores if score is not None] + means:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 100:
+            raise ValueError(f"IoU {value!r}, expected 0 to 100 percent")
+    for value in counts:
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise ValueError(f"count {value!r}, expected a whole number from 0 on")
+    if document["annotated_classes"] != len([score for score in scores if score is not None]):
+        raise ValueError(f"{document['annotated_classes']} annotated classes, but another number of scores is defined")

@@ -1,0 +1,115 @@
+"""tables: the mIoU tables of the runs made here, and those of the paper from their published numbers."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.tables import write_csv
+from foggy_synscapes.params import Params, load
+from foggy_synscapes.published import TEST_SETS as PUBLISHED
+from foggy_synscapes.published import load as load_published
+from foggy_synscapes.scoring.metrics import check
+from foggy_synscapes.tabling import latex, markdown
+from foggy_synscapes.tabling.ours import TITLES, grids, long_columns
+from foggy_synscapes.tabling.paper import published_columns, published_grid
+from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
+
+HELP = "Make the tables of mean IoU (percent): CSV, LaTeX and Markdown."
+FOLDER = Path("results/tables")
+METRICS = "results/evaluate/{test_set}/{network}/{row}/seed-{seed}/metrics.json"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this step."""
+    parser.add_argument("--test-set", choices=sorted(TITLES), help="make the tables of the runs on this test set")
+    parser.add_argument(
+        "--published", action="store_true", help="make both tables of the paper from its numbers instead"
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="with --published: folder to write to")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the step from the command line."""
+    if args.published:
+        if args.test_set or not args.out:
+            raise UsageError("--published makes both tables of the paper: give --out DIR and no --test-set")
+        published(args.out)
+    elif args.test_set and not args.out:
+        tables(load(args.params), args.test_set)
+    else:
+        raise UsageError("give --test-set, or --published and --out DIR")
+
+
+def published(out: Path) -> None:
+    """Write `foggy_driving.tex`, `.csv` and `.md`, and those of `foggy_zurich`: Tables I and II of the paper."""
+    for test_set in PUBLISHED:
+        rows = load_published(test_set)
+        grid = published_grid(test_set, rows)
+        write_csv(out / f"{test_set}.csv", *published_columns(rows))
+        write_text(out / f"{test_set}.tex", latex.document([grid], "Made by foggy tables --published."))
+        write_text(out / f"{test_set}.md", markdown.table(grid))
+        print(f"{out / test_set}.tex, .csv and .md: {len(rows)} published rows")
+
+
+def tables(params: Params, test_set: str) -> None:
+    """Write results/tables/TEST_SET.csv, .tex and .md from the metrics of all runs that exist.
+
+    Raises
+    ------
+    FoggyError
+        If a metrics file is damaged or of other classes, or two runs were scored against other label maps.
+    """
+    labels = [RowLabel(r.row, r.training, r.fine_tuning, r.images, r.here) for r in params.tables.rows]
+    networks, seeds = list(params.train.networks), list(params.train.seeds)
+    runs: dict[tuple[str, str], list[dict[str, Any] | None]] = {}
+    documents, inputs = [], []
+    for network in networks:
+        for label in labels:
+            paths = [Path(METRICS.format(test_set=test_set, network=network, row=label.row, seed=s)) for s in seeds]
+            runs[network, label.row] = [_read(path) for path in paths]
+            for path, document in zip(paths, runs[network, label.row], strict=True):
+                if document is not None:
+                    inputs.append(path)
+                    documents.append(document)
+                    _same_labels(documents, path)
+    results = collect(networks, labels, runs, load_published(test_set))
+    outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md")]
+    made = grids(test_set, results, annotated_classes(documents), seeds, params.tables.stand_in)
+    write_csv(outputs[0], *long_columns(test_set, results, seeds))
+    write_text(outputs[1], latex.document(made, f"Made by foggy tables --test-set {test_set}."))
+    write_text(outputs[2], "\n".join(markdown.table(grid) for grid in made))
+    write_run(
+        FOLDER / f"{test_set}.run.json",
+        command=["foggy", "tables", "--test-set", test_set],
+        params={"tables": params.tables.model_dump(), "train": {"networks": networks, "seeds": seeds}},
+        inputs=inputs,
+        outputs=outputs,
+    )
+    print(f"tables {test_set}: {len(documents)} of {len(networks) * len(labels) * len(seeds)} runs; see {outputs[2]}")
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    """Metrics of a run, or None where it was not made."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError) as error:
+        raise FoggyError(f"{path}: cannot be read: {error}") from error
+    try:
+        document = json.loads(text)
+        check(document)
+    except ValueError as error:
+        raise FoggyError(f"{path}: {error}. Was it made by `foggy evaluate`? Run that again.") from error
+    return document
+
+
+def _same_labels(documents: list[dict[str, Any]], path: Path) -> None:
+    try:
+        annotated_classes([documents[0], documents[-1]])
+    except ValueError as error:
+        raise FoggyError(f"{path}: {error}. Evaluate all rows again.") from error

@@ -1,0 +1,1 @@
+"""Tables: numbers in, text out. Rounding and bold marks, LaTeX, Markdown."""
