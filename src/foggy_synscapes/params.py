@@ -8,19 +8,15 @@ import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.training_params import Count, RowName, Section, Train
 
 STAND_IN = "stand-in"
 
 TestSet = Literal["foggy_driving", "foggy_zurich", "cityscapes"]
-Network = Literal["refinenet", "bisenet"]
-# Names become folders and words of a command line, so they are kept to what is harmless in both.
-RowName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9-]{0,63}$")]
-SeedName = Annotated[str, Field(pattern=r"^[0-9]{1,9}$")]
-Count = Annotated[int, Field(ge=1)]
 
 
 def beta_name(text: str) -> str:
@@ -34,7 +30,9 @@ def beta_name(text: str) -> str:
     try:
         value = float(text)
     except ValueError:
-        raise ValueError(f"beta {text!r} is not a number; it is the attenuation coefficient in 1/m, e.g. 0.005") from None
+        raise ValueError(
+            f"beta {text!r} is not a number; it is the attenuation coefficient in 1/m, e.g. 0.005"
+        ) from None
     if not 0 < value < float("inf"):
         raise ValueError(f"beta {text} is not a positive finite number in 1/m, e.g. 0.005")
     from decimal import Decimal
@@ -50,12 +48,6 @@ def _canonical_beta(text: str) -> str:
 
 
 Beta = Annotated[str, AfterValidator(_canonical_beta)]
-
-
-class Section(BaseModel):
-    """A part of the params file: unknown keys are errors, values do not change after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Roots(Section):
@@ -98,7 +90,9 @@ class StandIn(Section):
         for split in ("train", "val"):
             refined, whole = getattr(self.foggy_cityscapes, split), getattr(self.cityscapes, split)
             if refined > whole:
-                raise ValueError(f"foggy_cityscapes.{split}: {refined} refined frames of only {whole} Cityscapes frames")
+                raise ValueError(
+                    f"foggy_cityscapes.{split}: {refined} refined frames of only {whole} Cityscapes frames"
+                )
         return self
 
 
@@ -207,108 +201,6 @@ class Subset(Section):
         return next(kind for kind in ("clear", "partial", "pure", "mixed") if row in getattr(self, kind))
 
 
-class Duration(Section):
-    """A number of epochs or of iterations."""
-
-    epochs: Count | None = None
-    iterations: Count | None = None
-
-    @model_validator(mode="after")
-    def _one_of_both(self) -> "Duration":
-        if (self.epochs is None) == (self.iterations is None):
-            raise ValueError("give either epochs or iterations")
-        return self
-
-    def steps(self, images: int, batch: int) -> int:
-        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
-        return self.iterations if self.iterations is not None else self.epochs * -(-images // batch)
-
-
-class RowLength(Section):
-    """How long a row trains and how often it is validated."""
-
-    length: Duration
-    validate_: Annotated[Duration, Field(alias="validate")]
-
-
-class Policy(Section):
-    """How a network is trained."""
-
-    learning_rate: Annotated[float, Field(gt=0)]
-    schedule: Literal["poly", "constant"]
-    power: Annotated[float, Field(gt=0)]
-    momentum: Annotated[float, Field(ge=0, lt=1)]
-    weight_decay: Annotated[float, Field(ge=0)]
-    norm_weight_decay: Annotated[float, Field(ge=0)]
-    batch: Count
-    accumulate: Count
-    crop: tuple[Count, Count]
-    scale: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
-    flip: bool
-    loss: Literal["cross_entropy", "ohem"]
-    ohem_threshold: Annotated[float, Field(gt=0, lt=1)]
-    ohem_kept: Annotated[float, Field(ge=0, le=1)]
-    auxiliary_weight: Annotated[float, Field(ge=0)]
-    loss_stride: Literal[1, 2, 4, 8]
-    backbone_rate: Annotated[float, Field(gt=0)]
-    new_layer_rate: Annotated[float, Field(gt=0)]
-    freeze_batch_norm: bool
-
-    @model_validator(mode="after")
-    def _consistent(self) -> "Policy":
-        if self.batch % self.accumulate:
-            raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
-        if self.scale[0] > self.scale[1]:
-            raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
-        return self
-
-
-class BaselinePolicy(Policy):
-    """How a network is trained from its own weights; names its length too."""
-
-    length: Duration
-    validate_: Annotated[Duration, Field(alias="validate")]
-
-
-class NetworkSettings(Section):
-    """Shape and policies of one network."""
-
-    backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"]
-    width: Annotated[int, Field(ge=4)]
-    decoder: Annotated[int, Field(ge=4)]
-    weights: str
-    baseline: BaselinePolicy
-    fine_tuning: Policy
-
-
-class Train(Section):
-    """The grid of trainings."""
-
-    threads: Count
-    workers: Annotated[int, Field(ge=0)]
-    cache: Annotated[int, Field(ge=0)]
-    device: Literal["cpu", "cuda"]
-    precision: Literal["float32", "bfloat16"]
-    memory_format: Literal["channels_last", "contiguous"]
-    curve: Count
-    snapshot: Count
-    seeds: Annotated[list[SeedName], Field(min_length=1)]
-    networks: Annotated[list[Network], Field(min_length=1)]
-    from_weights: list[RowName]
-    from_baseline: list[RowName]
-    rows: dict[RowName, RowLength]
-    refinenet: NetworkSettings
-    bisenet: NetworkSettings
-
-    @model_validator(mode="after")
-    def _rows_are_complete(self) -> "Train":
-        if set(self.rows) != set(self.from_baseline):
-            raise ValueError(f"rows: has {sorted(self.rows)}, but from_baseline has {sorted(self.from_baseline)}")
-        if self.from_baseline and "C" not in self.from_weights:
-            raise ValueError("from_weights: row C is missing, from which the rows in from_baseline start")
-        return self
-
-
 class Evaluate(Section):
     """Which test sets are scored."""
 
@@ -359,7 +251,9 @@ class Params(Section):
         if lists:
             betas = {entry.beta for entry in lists}
             if betas != set(self.fog.betas):
-                raise ValueError(f"fog.betas: the lists in subset ask for {sorted(betas)}, got {sorted(self.fog.betas)}")
+                raise ValueError(
+                    f"fog.betas: the lists in subset ask for {sorted(betas)}, got {sorted(self.fog.betas)}"
+                )
             ends = max(entry.train for entry in lists), max(entry.validation for entry in lists)
             if ends != (self.fog.frames.first, self.fog.frames.last):
                 raise ValueError(
@@ -381,7 +275,7 @@ def load(path: str | Path) -> Params:
     Raises
     ------
     FoggyError
-        Naming the file and the key: missing, misspelt, twice, of a wrong type, impossible, or in contradiction to another.
+        Naming the file and the key that is missing, misspelt, twice, of a wrong type, impossible or contradicted.
     """
     document = read_yaml(path)
     if not isinstance(document, dict):

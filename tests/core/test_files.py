@@ -16,9 +16,14 @@ from foggy_synscapes.io.tables import read_csv, write_csv
 def test_a_failed_write_leaves_the_old_content_and_nothing_else(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     write_text(path, "old")
-    with pytest.raises(RuntimeError), replacing(path) as file:
-        file.write(b"new")
-        raise RuntimeError
+
+    def write_and_fail() -> None:
+        with replacing(path) as file:
+            file.write(b"new")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        write_and_fail()
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.txt"]
     assert path.read_text() == "old"
 
@@ -72,7 +77,7 @@ def test_a_shard_that_is_cut_off_or_holds_links_is_refused(tmp_path: Path) -> No
         entry = tarfile.TarInfo("a.png")
         entry.type, entry.linkname = tarfile.SYMTYPE, "/etc/hostname"
         tar.addfile(entry)
-    with pytest.raises(FoggyError, match="not a shard|cut off"):
+    with pytest.raises(FoggyError, match=r"not a shard|cut off"):
         Shard(tmp_path / "cut.tar").read("a.png")
     with pytest.raises(FoggyError, match="plain files only"):
         Shard(tmp_path / "link.tar")

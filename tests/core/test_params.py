@@ -94,7 +94,9 @@ def test_a_missing_file_says_where_others_are(tmp_path: Path) -> None:
         params.load(tmp_path / "none.yaml")
 
 
-@pytest.mark.parametrize(("text", "name"), [("0.06", "0.06"), ("1e-12", "0.000000000001"), ("1", "1.0"), ("0.0100", "0.01")])
+@pytest.mark.parametrize(
+    ("text", "name"), [("0.06", "0.06"), ("1e-12", "0.000000000001"), ("1", "1.0"), ("0.0100", "0.01")]
+)
 def test_a_beta_has_one_spelling(text: str, name: str) -> None:
     assert params.beta_name(text) == name
 

@@ -32,13 +32,17 @@ def read_refined(path: str | Path) -> dict[str, list[str]]:
     try:
         lines = Path(path).read_text(encoding="utf-8").split("\n")
     except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(f"{path}: the list of refined images cannot be read: {error}. See scenes.refined_list.") from error
+        raise FoggyError(
+            f"{path}: the list of refined images cannot be read: {error}. See scenes.refined_list."
+        ) from error
     found: dict[str, list[str]] = {"train": [], "val": []}
     for number, line in enumerate(lines, start=1):
         if not line.strip():
             continue
         match = _FRAME.match(line.strip())
         if match is None:
-            raise FoggyError(f"{path}, line {number}: {line.strip()[:80]!r} is not like train/aachen/aachen_000000_000019")
+            raise FoggyError(
+                f"{path}, line {number}: {line.strip()[:80]!r} is not like train/aachen/aachen_000000_000019"
+            )
         found[match[1]].append(match[0])
     return found

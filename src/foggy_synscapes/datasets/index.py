@@ -19,7 +19,7 @@ FOLDER = Path("results/scenes/index")
 
 
 def read_index(*names: str) -> dict[str, str]:
-    """SHA-256 by relative path, of one dataset or several shards, e.g. `read_index("synscapes/0000", "synscapes/0001")`."""
+    """SHA-256 by relative path, of one dataset or of several shards, such as "synscapes/0000", "synscapes/0001"."""
     hashes: dict[str, str] = {}
     for name in names:
         hashes.update((row["path"], row["sha256"]) for row in read_csv(index_path(name), COLUMNS))
@@ -48,7 +48,9 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
     for path in progress(sorted(paths), f"index {name}", unit="file"):
         file = root / path
         if not file.is_file():
-            raise FoggyError(f"{file}: missing. The {name.partition('/')[0]} dataset is incomplete; see the README on real data.")
+            raise FoggyError(
+                f"{file}: missing. The {name.partition('/')[0]} dataset is incomplete; see the README on real data."
+            )
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
         status = file.stat()
@@ -74,4 +76,6 @@ def expect(index: dict[str, str], paths: Iterable[str], dataset: str) -> None:
     """Raise FoggyError naming the first of `paths` that an index does not have."""
     for path in paths:
         if path not in index:
-            raise FoggyError(f"{dataset}: {path} is not in the index {FOLDER}. Is the file missing? Run `foggy scenes` again.")
+            raise FoggyError(
+                f"{dataset}: {path} is not in the index {FOLDER}. Is the file missing? Run `foggy scenes` again."
+            )

@@ -98,8 +98,9 @@ def from_train_ids(train_ids: np.ndarray) -> np.ndarray:
 def encoding(ids: Collection[int]) -> str:
     """Tell from the values that occur in maps whether they are "labelIds", "trainIds", or "ambiguous".
 
-    Only labelIds go from 19 to 33: vegetation, sky or a car gives them away. Without these, 255 tells trainIds,
-    and so does road as 0 beside building, vegetation, sky or car as 2, 8, 10 or 13 while the labelId of road is missing.
+    Only labelIds go from 19 to 33: vegetation, sky or a car gives them away. Without these, 255
+    tells trainIds, and so does road as 0 beside building, vegetation, sky or car as 2, 8, 10 or 13 while 7, the labelId
+    of road, is missing.
     The more maps the values come from, the surer the answer.
 
     >>> encoding([0, 2, 8, 10, 13]), encoding([7, 11, 21, 23]), encoding([0, 7, 8, 11])

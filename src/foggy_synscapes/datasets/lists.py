@@ -16,7 +16,9 @@ def read_list(path: str | Path) -> list[str]:
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(f"{path}: the list file cannot be read: {error}. The dataset's own lists are needed.") from error
+        raise FoggyError(
+            f"{path}: the list file cannot be read: {error}. The dataset's own lists are needed."
+        ) from error
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     for number, line in enumerate(lines, start=1):
         if line.startswith("/") or "\\" in line or ".." in line.split("/"):

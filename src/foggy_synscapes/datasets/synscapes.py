@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.camera import Camera
+from foggy_synscapes.errors import FoggyError
 
 SCENE_KEYS = (
     "altitude_variation", "curb_height", "dist_bicyclists_mean", "dist_bicyclists_stddev", "dist_buses_mean",

@@ -1,7 +1,7 @@
 """Names of images and label maps in the lists of `subset`, independent of where a machine keeps its data.
 
-`cityscapes:gtFine/val/...png` lies below that dataset's root; `fog:beta_0.005/0000.tar#00001_beta_0.005.png` is a member
-of a shard below `results/fog`.
+`cityscapes:gtFine/val/...png` lies below that dataset's root; `fog:beta_0.005/0000.tar#00001_beta_0.005.png` is a
+member of a shard below `results/fog`.
 """
 
 from collections import OrderedDict

@@ -36,7 +36,9 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
         temporary = None
         _sync_folder(path.parent)
     except OSError as error:
-        raise FoggyError(f"{path}: cannot be written: {error.strerror or error}. Check space and permissions.") from error
+        raise FoggyError(
+            f"{path}: cannot be written: {error.strerror or error}. Check space and permissions."
+        ) from error
     finally:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)

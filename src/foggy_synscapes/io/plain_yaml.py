@@ -29,7 +29,7 @@ def read_yaml(path: str | Path) -> Any:
     """Read plain YAML: no tags, no aliases, no key twice. Raises FoggyError naming file and line."""
     try:
         with open(path, encoding="utf-8") as file:
-            return yaml.load(file, Loader=_Loader)  # noqa: S506 (a SafeLoader)
+            return yaml.load(file, Loader=_Loader)
     except FileNotFoundError as error:
         raise FoggyError(f"{path}: no such params file. The default is params.yaml; others are in params/.") from error
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:

@@ -69,7 +69,7 @@ class Shard:
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         try:
-            self._file = open(self.path, "rb")
+            self._file = open(self.path, "rb")  # noqa: SIM115 (held open for reading members)
         except OSError as error:
             raise FoggyError(f"{path}: cannot be read: {error.strerror}. Make the shard again by its step.") from error
         try:

@@ -25,7 +25,7 @@ def read_csv(path: str | Path, columns: Sequence[str] = ()) -> list[dict[str, st
     Raises
     ------
     FoggyError
-        If the file is missing, is no UTF-8 text, has a row of another length than its header, or lacks one of `columns`.
+        If the file is missing or no UTF-8 text, a row is not as long as the header, or one of `columns` is not there.
     """
     try:
         with open(path, newline="", encoding="utf-8") as file:

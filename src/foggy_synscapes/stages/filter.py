@@ -42,7 +42,9 @@ def filter(params: Params) -> None:
     frames, kept = [], []
     for frame in progress(ids, "filter", unit="frame"):
         path = folder / synscapes.meta(frame)
-        meta = synscapes.read_meta(path, check=lambda data, p=path, f=frame: checked(data, index[synscapes.meta(f)], str(p)))
+        meta = synscapes.read_meta(
+            path, check=lambda data, p=path, f=frame: checked(data, index[synscapes.meta(f)], str(p))
+        )
         reason = "; ".join(filter_out(meta.scene, params.filter.rules))
         camera = [getattr(meta.camera, name) for name in CAMERA]
         frames.append([frame, *(meta.scene[key] for key in synscapes.SCENE_KEYS), *camera, int(not reason), reason])

@@ -24,14 +24,18 @@ Entry = tuple[str, str, str, str]
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    parser.add_argument("--row", required=True, help="row of the tables, e.g. FS-498: a key of the params section subset")
+    parser.add_argument(
+        "--row", required=True, help="row of the tables, e.g. FS-498: a key of the params section subset"
+    )
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
     params = load(args.params)
     if args.row not in params.subset.rows():
-        raise UsageError(f"--row {args.row}: not in the params section subset; it has {', '.join(params.subset.rows())}")
+        raise UsageError(
+            f"--row {args.row}: not in the params section subset; it has {', '.join(params.subset.rows())}"
+        )
     subset(params, args.row)
 
 
@@ -165,8 +169,8 @@ def _pure(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tup
     asked = entry.train + entry.validation
     if asked > len(kept):
         raise FoggyError(
-            f"subset.{params.subset.kind(row)}.{row}: {entry.train} training and {entry.validation} validation frames asked "
-            f"for, but the filter kept {len(kept)}. Ask for fewer, loosen filter.rules, or add frames."
+            f"subset.{params.subset.kind(row)}.{row}: asks for {entry.train} training and {entry.validation} "
+            f"validation frames, but the filter kept {len(kept)}. Ask for fewer, loosen filter.rules, or add frames."
         )
     result = []
     for frames in (kept[: entry.train], kept[len(kept) - entry.validation :]):
@@ -175,13 +179,15 @@ def _pure(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tup
             name = synscapes.foggy_name(frame, entry.beta)
             if name not in members:
                 raise FoggyError(
-                    f"results/fog/beta_{entry.beta}: frame {frame} is not in its shard {synscapes.shard_of(frame, params.scenes.shard_frames)}. "
-                    "Was it dropped for its blue airlight? Then ask for fewer frames, or set fog.blue_airlight to keep or grey."
+                    f"{uris.FOG}/beta_{entry.beta}: no shard holds frame {frame}. Was it dropped for its blue "
+                    "airlight? Then ask for fewer frames, or set fog.blue_airlight to keep or grey."
                 )
             label = synscapes.class_(frame)
             expect(index, [label], "synscapes")
             shard, digest = members[name]
-            entries.append((uris.of_fog(entry.beta, shard, name), digest, uris.of_dataset("synscapes", label), index[label]))
+            entries.append(
+                (uris.of_fog(entry.beta, shard, name), digest, uris.of_dataset("synscapes", label), index[label])
+            )
         result.append(entries)
     return result[0], result[1]
 

@@ -1,0 +1,119 @@
+"""The params section `train`, and what all sections are made of."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Network = Literal["refinenet", "bisenet"]
+# Names become folders and words of a command line, so they are kept to what is harmless in both.
+RowName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9-]{0,63}$")]
+SeedName = Annotated[str, Field(pattern=r"^[0-9]{1,9}$")]
+Count = Annotated[int, Field(ge=1)]
+
+
+class Section(BaseModel):
+    """A part of the params file: unknown keys are errors, values do not change after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Duration(Section):
+    """A number of epochs or of iterations."""
+
+    epochs: Count | None = None
+    iterations: Count | None = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> "Duration":
+        if (self.epochs is None) == (self.iterations is None):
+            raise ValueError("give either epochs or iterations")
+        return self
+
+    def steps(self, images: int, batch: int) -> int:
+        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
+        return self.iterations if self.iterations is not None else self.epochs * -(-images // batch)
+
+
+class RowLength(Section):
+    """How long a row trains and how often it is validated."""
+
+    length: Duration
+    validate_: Annotated[Duration, Field(alias="validate")]
+
+
+class Policy(Section):
+    """How a network is trained."""
+
+    learning_rate: Annotated[float, Field(gt=0)]
+    schedule: Literal["poly", "constant"]
+    power: Annotated[float, Field(gt=0)]
+    momentum: Annotated[float, Field(ge=0, lt=1)]
+    weight_decay: Annotated[float, Field(ge=0)]
+    norm_weight_decay: Annotated[float, Field(ge=0)]
+    batch: Count
+    accumulate: Count
+    crop: tuple[Count, Count]
+    scale: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
+    flip: bool
+    loss: Literal["cross_entropy", "ohem"]
+    ohem_threshold: Annotated[float, Field(gt=0, lt=1)]
+    ohem_kept: Annotated[float, Field(ge=0, le=1)]
+    auxiliary_weight: Annotated[float, Field(ge=0)]
+    loss_stride: Literal[1, 2, 4, 8]
+    backbone_rate: Annotated[float, Field(gt=0)]
+    new_layer_rate: Annotated[float, Field(gt=0)]
+    freeze_batch_norm: bool
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Policy":
+        if self.batch % self.accumulate:
+            raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
+        if self.scale[0] > self.scale[1]:
+            raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
+        return self
+
+
+class BaselinePolicy(Policy):
+    """How a network is trained from its own weights; names its length too."""
+
+    length: Duration
+    validate_: Annotated[Duration, Field(alias="validate")]
+
+
+class NetworkSettings(Section):
+    """Shape and policies of one network."""
+
+    backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"]
+    width: Annotated[int, Field(ge=4)]
+    decoder: Annotated[int, Field(ge=4)]
+    weights: str
+    baseline: BaselinePolicy
+    fine_tuning: Policy
+
+
+class Train(Section):
+    """The grid of trainings."""
+
+    threads: Count
+    workers: Annotated[int, Field(ge=0)]
+    cache: Annotated[int, Field(ge=0)]
+    device: Literal["cpu", "cuda"]
+    precision: Literal["float32", "bfloat16"]
+    memory_format: Literal["channels_last", "contiguous"]
+    curve: Count
+    snapshot: Count
+    seeds: Annotated[list[SeedName], Field(min_length=1)]
+    networks: Annotated[list[Network], Field(min_length=1)]
+    from_weights: list[RowName]
+    from_baseline: list[RowName]
+    rows: dict[RowName, RowLength]
+    refinenet: NetworkSettings
+    bisenet: NetworkSettings
+
+    @model_validator(mode="after")
+    def _rows_are_complete(self) -> "Train":
+        if set(self.rows) != set(self.from_baseline):
+            raise ValueError(f"rows: has {sorted(self.rows)}, but from_baseline has {sorted(self.from_baseline)}")
+        if self.from_baseline and "C" not in self.from_weights:
+            raise ValueError("from_weights: row C is missing, from which the rows in from_baseline start")
+        return self
