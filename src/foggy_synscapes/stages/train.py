@@ -16,8 +16,9 @@ from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.tables import read_csv, write_csv
-from foggy_synscapes.params import Duration, NetworkSettings, Params, load, root
+from foggy_synscapes.params import Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.training_params import Duration, NetworkSettings
 
 if TYPE_CHECKING:
     import numpy as np

@@ -54,7 +54,7 @@ def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: floa
     """Online hard example mining: mean over the hard pixels.
 
     A labelled pixel is hard if the probability of its true class is at most `threshold`. If these are fewer than the
-    share `kept` of all pixels, ignored ones included, so many of the hardest count, and all as hard as the last of them.
+    share `kept` of all pixels, ignored ones included, so many of the hardest count, and all as hard as the last.
     Source: TorchSeg (ProbOhemCrossEntropy2d), stated there on probabilities; on losses it holds for extreme logits too.
     """
     at_least = min(int(kept * labelled.numel()), int(labelled.sum()))

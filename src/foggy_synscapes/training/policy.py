@@ -57,7 +57,7 @@ class Policy:
 
 
 def parameter_groups(network: Network, policy: Policy) -> list[dict]:
-    """Groups for an optimiser, each with `factor` of the learning rate and `weight_decay`; none of frozen parameters."""
+    """Groups for an optimiser, each with `factor` of the learning rate and `weight_decay`; without what is frozen."""
     norms = {id(p) for m in network.modules() if isinstance(m, nn.BatchNorm2d) for p in m.parameters()}
     groups: dict[tuple[float, float], list[nn.Parameter]] = {}
     for name, parameter in network.named_parameters():
