@@ -7,6 +7,7 @@ Angles are in radians: pitch is positive downwards, yaw positive to the left, ro
 
 import math
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,12 +35,17 @@ class Rig:
     y: float
     z: float
 
+    @cached_property
     def axes(self) -> np.ndarray:
         """Right, up and forward direction of the camera in the world, float64 (3, 3), one per row."""
         cp, sp = math.cos(self.pitch), math.sin(self.pitch)
         cy, sy = math.cos(self.yaw), math.sin(self.yaw)
         cr, sr = math.cos(self.roll), math.sin(self.roll)
-        right, up, forward = np.array([cy, 0, sy]), np.array([-sp * sy, cp, sp * cy]), np.array([-cp * sy, -sp, cp * cy])
+        right, up, forward = (
+            np.array([cy, 0, sy]),
+            np.array([-sp * sy, cp, sp * cy]),
+            np.array([-cp * sy, -sp, cp * cy]),
+        )
         return np.stack([cr * right - sr * up, sr * right + cr * up, forward])
 
     def rays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -49,17 +55,16 @@ class Rig:
         """
         across = ((np.arange(self.resx) + 0.5 - self.u0) / self.fx)[None, :]
         down = ((np.arange(self.resy) + 0.5 - self.v0) / self.fy)[:, None]
-        right, up, forward = self.axes()
-        dx, dy, dz = (
-            (across * right[k] - down * up[k] + forward[k]).astype(np.float32) for k in range(3)
-        )
+        right, up, forward = self.axes
+        dx, dy, dz = ((across * right[k] - down * up[k] + forward[k]).astype(np.float32) for k in range(3))
         return dx, dy, dz
 
     def to_camera(self, points: np.ndarray) -> np.ndarray:
         """Camera coordinates of world points: right, down, forward; float64 (N, 3) from (N, 3), metres."""
-        offset = np.asarray(points, dtype=np.float64) - (0.0, self.z, 0.0)
-        right, up, forward = self.axes()
-        return np.stack([(offset * axis).sum(axis=1) for axis in (right, -up, forward)], axis=1)
+        offset = points - np.array((0.0, self.z, 0.0))
+        turned = (offset[:, None, :] * self.axes).sum(axis=2)
+        turned[:, 1] *= -1.0
+        return turned
 
     def to_image(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Columns and rows (continuous, pixels) of points in the camera frame, in front of the camera."""

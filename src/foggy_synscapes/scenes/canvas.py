@@ -99,7 +99,7 @@ class Canvas:
 
     def light(self, normal: tuple[float, float, float]) -> float:
         """Brightness factor of a surface that faces `normal` (world)."""
-        towards = max(0.0, sum(a * b for a, b in zip(normal, self.sun, strict=True)))
+        towards = max(0.0, normal[0] * self.sun[0] + normal[1] * self.sun[1] + normal[2] * self.sun[2])
         return self.ambient * (0.88 + 0.12 * normal[1]) + self.direct * towards
 
     def solid(
@@ -128,36 +128,38 @@ class Canvas:
         ox, oz = cos * px - sin * pz, sin * px + cos * pz
         near, far = np.zeros(dx.shape, np.float32), np.full(dx.shape, np.inf, np.float32)
         face = np.zeros(dx.shape, np.uint8)
-        lights = []
+        planes = solid.planes()
+        lights = [0.0] * len(planes)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for number, (nx, ny, nz, c) in enumerate(solid.planes()):
+            for number, (nx, ny, nz, c) in enumerate(planes):
                 along = None
                 for weight, ray in ((nx, lx), (ny, dy), (nz, lz)):
                     if weight:
                         part = ray if weight == 1 else ray * np.float32(weight)
                         along = part if along is None else along + part
-                lights.append(self.light((cos * nx + sin * nz, ny, -sin * nx + cos * nz)))
                 gap = np.float32(c - (nx * ox + ny * py + nz * oz))
                 distance = gap / along
                 if gap >= 0:  # the camera is behind this plane: rays can only leave through it
-                    distance[along <= 0] = np.inf
+                    np.putmask(distance, along <= 0, np.inf)
                     np.minimum(far, distance, out=far)
                 else:
-                    distance[along >= 0] = np.inf
-                    closer = distance > near
-                    np.copyto(near, distance, where=closer)
-                    face[closer] = number
+                    lights[number] = self.light((cos * nx + sin * nz, ny, -sin * nx + cos * nz))
+                    np.putmask(distance, along >= 0, np.inf)
+                    np.putmask(face, distance > near, number)
+                    np.maximum(near, distance, out=near)
         hit = (near < far) & (near > 0.05) & (near < FARTHEST)
         if not instance:
             hit &= near < self.depth.reshape(self.rows, self.columns)[top:end, left:right]
-        rows, columns = np.nonzero(hit)
-        if not rows.size:
+        inner = np.flatnonzero(hit)
+        if not inner.size:
             return
-        near, face = near[hit], face[hit]
-        local = Hit(face, ox + near * lx[hit], py + near * dy[hit], oz + near * lz[hit], near)
-        rgb, keep = shader(local)
-        rgb *= np.array(lights, np.float32)[face][:, None]
+        rows, columns = np.divmod(inner, right - left)
         pixels = (rows + top) * self.columns + columns + left
+        near, face = near.ravel()[inner], face.ravel()[inner]
+        dx, dy, dz = (ray.ravel()[pixels] for ray in self.rays)
+        lx, lz = (cos * dx - sin * dz, sin * dx + cos * dz) if heading else (dx, dz)
+        rgb, keep = shader(Hit(face, ox + near * lx, py + near * dy, oz + near * lz, near))
+        rgb *= np.array(lights, np.float32)[face][:, None]
         if keep is not None:
             pixels, near, rgb = pixels[keep], near[keep], rgb[keep]
         self._paint(pixels, near, rgb, label, instance)
@@ -190,7 +192,9 @@ class Canvas:
         columns, across = (a[(across >= 0) & (across < sprite.parts.shape[1])] for a in (columns, across))
         rows, down = (a[(down >= 0) & (down < sprite.parts.shape[0])] for a in (rows, down))
         if instances is not None:
-            box = np.array([(x + a * width / 2, y - b * height, depth + c) for a in (-1, 1) for b in (0, 1) for c in (0, 0.4)])
+            box = np.array(
+                [(x + a * width / 2, y - b * height, depth + c) for a in (-1, 1) for b in (0, 1) for c in (0, 0.4)]
+            )
             for instance in {int(i) for i in instances if i}:
                 self._trace(instance, int(labels[instances == instance][0])).corners.append(box)
         if not columns.size or not rows.size:
@@ -215,7 +219,10 @@ class Canvas:
         top, end, left, right = window
         depth = self.depth.reshape(self.rows, self.columns)[top:end, left:right]
         near = np.minimum(depth, 1000)
-        x, z = near * self.rays[0][top:end, left:right] - centre[0], near * self.rays[2][top:end, left:right] - centre[1]
+        x, z = (
+            near * self.rays[0][top:end, left:right] - centre[0],
+            near * self.rays[2][top:end, left:right] - centre[1],
+        )
         cos, sin = math.cos(heading), math.sin(heading)
         u, v = (cos * x - sin * z) / half[0], (sin * x + cos * z) / half[1]
         dark = 1.0 - strength * np.clip(1.6 - 1.2 * (u * u + v * v), 0, 1)
@@ -227,21 +234,22 @@ class Canvas:
         return self.traces[instance]
 
     def _paint(self, pixels, depth, rgb, label, instance) -> None:
-        if np.ndim(instance) or instance:
-            for number in np.unique(instance):
-                if number:
-                    mine = slice(None) if np.ndim(instance) == 0 else instance == number
-                    trace = self.traces[int(number)]
-                    trace.extent[pixels[mine]] = True
-                    if depth[mine].size:
-                        trace.near = min(trace.near, float(depth[mine].min()))
-                        trace.far = max(trace.far, float(depth[mine].max()))
+        # Instances come with every pixel of theirs, seen or not; the rest of a solid has been tested already.
+        several = isinstance(label, np.ndarray)
+        numbers = np.unique(instance) if isinstance(instance, np.ndarray) else [instance]
+        for number in numbers:
+            mine = instance == number if isinstance(instance, np.ndarray) else slice(None)
+            if number and depth[mine].size:
+                trace = self.traces[int(number)]
+                trace.extent[pixels[mine]] = True
+                trace.near = min(trace.near, float(depth[mine].min()))
+                trace.far = max(trace.far, float(depth[mine].max()))
+        if several or instance:
             front = depth < self.depth[pixels]
             pixels, depth, rgb = pixels[front], depth[front], rgb[front]
-            label = label[front] if np.ndim(label) else label
-            instance = instance[front] if np.ndim(instance) else instance
-        elif np.ndim(label):
-            front = depth < self.depth[pixels]
-            pixels, depth, rgb, label = pixels[front], depth[front], rgb[front], label[front]
+            if several:
+                label = label[front]
+            if isinstance(instance, np.ndarray):
+                instance = instance[front]
         self.rgb[pixels], self.depth[pixels], self.label[pixels] = rgb, depth, label
         self.instance[pixels] = instance

@@ -5,7 +5,7 @@ so that one figure serves every coat and a rider and a bicycle stay two instance
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -46,7 +46,9 @@ class Sketch:
         """A filled ellipse, `flat` times as high as wide."""
         self.parts[(self.x - x) ** 2 + ((self.y - y) / flat) ** 2 <= radius**2] = part
 
-    def limb(self, x0: float, y0: float, x1: float, y1: float, radius: float, part: int, end: float | None = None) -> None:
+    def limb(
+        self, x0: float, y0: float, x1: float, y1: float, radius: float, part: int, end: float | None = None
+    ) -> None:
         """A rounded stroke from one point to another, its radius changing to `end`."""
         length = (x1 - x0) ** 2 + (y1 - y0) ** 2
         along = np.clip(((self.x - x0) * (x1 - x0) + (self.y - y0) * (y1 - y0)) / max(length, 1e-9), 0, 1)
@@ -71,7 +73,7 @@ class Sketch:
         return Sprite(self.parts, np.ascontiguousarray(shade, dtype=np.float32), self.width, self.height)
 
 
-@lru_cache(maxsize=None)
+@cache
 def person(pose: int) -> Sprite:
     """A standing or walking person of 1.75 m; poses 0 to 3."""
     s = Sketch(0.95, 1.85)
@@ -101,7 +103,7 @@ def _two_wheels(s: Sketch, radius: float, gap: float, tyre: float) -> None:
         s.disc(x, radius, 0.06, METAL)
 
 
-@lru_cache(maxsize=None)
+@cache
 def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
     """A bicycle or motorcycle, seen from the side or from behind, with or without its rider."""
     motor = kind == "motorcycle"
@@ -156,7 +158,7 @@ def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
     return s.finish()
 
 
-@lru_cache(maxsize=None)
+@cache
 def traffic_light(lit: int, arm: bool) -> Sprite:
     """A traffic light on its post, with red, amber or green lit (0, 1, 2); with `arm` over the road on a mast."""
     s = Sketch(4.0 if arm else 0.6, 5.9 if arm else 3.6, 40 if arm else PIXELS_PER_METRE)
@@ -177,7 +179,7 @@ def traffic_light(lit: int, arm: bool) -> Sprite:
 SIGNS = ("limit", "triangle", "yield", "blue", "priority", "stop", "board", "direction")
 
 
-@lru_cache(maxsize=None)
+@cache
 def sign(kind: str) -> Sprite:
     """A traffic sign on its post, one of `SIGNS`."""
     s = Sketch(2.4 if kind == "direction" else 1.1, 3.4)
@@ -215,7 +217,7 @@ def sign(kind: str) -> Sprite:
     return s.finish()
 
 
-@lru_cache(maxsize=None)
+@cache
 def post(kind: str) -> Sprite:
     """A "lamp" of 7 m, a plain "pole" of 5 m or a "bollard" of 1 m."""
     if kind == "lamp":
@@ -233,7 +235,7 @@ def post(kind: str) -> Sprite:
     return s.finish()
 
 
-@lru_cache(maxsize=None)
+@cache
 def tree(kind: int) -> Sprite:
     """One of six trees, 8 m high and 6 m wide, or (6, 7) one of two bushes, 2 m high and 3 m wide."""
     rng = np.random.default_rng((8, kind))

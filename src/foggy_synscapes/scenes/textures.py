@@ -77,7 +77,11 @@ def plain(rng: np.random.Generator, rgb: tuple[float, float, float], grain: floa
 
     def shade(hit: Hit) -> tuple[np.ndarray, None]:
         fade = np.minimum(1.0, 14.0 / hit.depth)
-        pattern = 1.0 + grain * noise(hit.x + hit.y, hit.z - hit.y, scale) * fade + 0.6 * grain * noise(hit.x, hit.z + hit.y, 3.0)
+        pattern = (
+            1.0
+            + grain * noise(hit.x + hit.y, hit.z - hit.y, scale) * fade
+            + 0.6 * grain * noise(hit.x, hit.z + hit.y, 3.0)
+        )
         return _base(hit, base, pattern.astype(np.float32)), None
 
     return shade
@@ -112,7 +116,11 @@ def masonry(rng: np.random.Generator, grain: float) -> Shader:
         u = a / block + 0.5 * (row % 2)
         fade = np.minimum(1.0, 20.0 / hit.depth)
         joint = ((u - np.floor(u)) < 0.06) | ((hit.y / course - row) < 0.12)
-        pattern = 1.0 + grain * (noise(np.floor(u) + row * 13, row, 1.0) + 0.6 * noise(a, hit.y, 7.0)) * fade - 0.22 * joint * fade
+        pattern = (
+            1.0
+            + grain * (noise(np.floor(u) + row * 13, row, 1.0) + 0.6 * noise(a, hit.y, 7.0)) * fade
+            - 0.22 * joint * fade
+        )
         return _base(hit, base, pattern.astype(np.float32)), None
 
     return shade

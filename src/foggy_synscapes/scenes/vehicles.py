@@ -22,7 +22,9 @@ class Vehicle:
     length: float
     width: float
 
-    def paint(self, canvas: Canvas, position: tuple[float, float, float], heading: float, label: int, instance: int) -> None:
+    def paint(
+        self, canvas: Canvas, position: tuple[float, float, float], heading: float, label: int, instance: int
+    ) -> None:
         """Paint every piece at a world position."""
         for solid, shader in self.pieces:
             canvas.solid(solid, position, shader, label, heading, instance)
@@ -155,7 +157,12 @@ def _slanted(shader: Shader) -> Shader:
 
 def truck(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     """A delivery truck: a box behind a cab."""
-    paint, length, width, height = colour(*PAINTS[rng.integers(len(PAINTS))]), rng.uniform(6.5, 8.5), 2.4, rng.uniform(3.1, 3.6)
+    paint, length, width, height = (
+        colour(*PAINTS[rng.integers(len(PAINTS))]),
+        rng.uniform(6.5, 8.5),
+        2.4,
+        rng.uniform(3.1, 3.6),
+    )
     box = colour(*((214, 214, 210), (186, 178, 160), (70, 92, 128), (150, 60, 48), (96, 118, 86))[rng.integers(5)])
     half = length / 2
     rear = Solid((-width / 2, 0, -half), (width / 2, height, half - 2.0))
@@ -177,8 +184,23 @@ def bus(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     paint = colour(*((182, 30, 36), (36, 84, 160), (226, 220, 206), (216, 170, 40), (52, 120, 110))[rng.integers(5)])
     length, width, height = rng.uniform(9.5, 12.0), 2.5, rng.uniform(3.0, 3.3)
     half = length / 2
-    body = Solid((-width / 2, 0, -half), (width / 2, height, half), ((0, 0.12, 1, half + 0.12 * 1.2), (0, 0.08, -1, half + 0.08 * 1.2)))
-    shader = _panels(paint, height, (1.25, 2.45), 1.6, grain, 0.2 + 0.3 * glare, colour(56, 58, 62), (-half + 2.6, half - 2.4), 0.48, 0.3)
+    body = Solid(
+        (-width / 2, 0, -half),
+        (width / 2, height, half),
+        ((0, 0.12, 1, half + 0.12 * 1.2), (0, 0.08, -1, half + 0.08 * 1.2)),
+    )
+    shader = _panels(
+        paint,
+        height,
+        (1.25, 2.45),
+        1.6,
+        grain,
+        0.2 + 0.3 * glare,
+        colour(56, 58, 62),
+        (-half + 2.6, half - 2.4),
+        0.48,
+        0.3,
+    )
     return Vehicle([(body, _nosed(shader))], length, width)
 
 
@@ -189,7 +211,9 @@ def train(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     half = length / 2
     nose = (0, 0.45, 1, half + 0.45 * 1.1), (0, 0.45, -1, half + 0.45 * 1.1)
     body = Solid((-width / 2, 0, -half), (width / 2, height, half), nose)
-    inner = _panels(paint, height, (1.35, 2.7), 2.6, grain, 0.15 + 0.25 * glare, colour(34, 36, 40), (), 0.4, 0.2, rails=True)
+    inner = _panels(
+        paint, height, (1.35, 2.7), 2.6, grain, 0.15 + 0.25 * glare, colour(34, 36, 40), (), 0.4, 0.2, rails=True
+    )
 
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
         rgb, keep = inner(hit)
