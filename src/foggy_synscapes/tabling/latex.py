@@ -9,7 +9,7 @@ from foggy_synscapes.tabling.numbers import DASH
 _SPECIAL = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "|": r"\textbar{}", '"': r"\textquotedbl{}", "`": r"\textasciigrave{}",
+    "|": r"\textbar{}", '"': "''", "`": r"\textasciigrave{}",
     "±": r"$\pm$", "−": "$-$", "Δ": r"$\Delta$", "β": r"$\beta$",
 }  # fmt: skip
 _SIGNED = re.compile(r"-(?=\d)")
@@ -29,12 +29,13 @@ def escape(text: str) -> str:
 
 
 def table(grid: Grid) -> str:
-    """One `table*` environment. It needs the packages booktabs, graphicx and multirow, and T1 fonts for quotes."""
-    width = len(grid.heads)
+    """One `table*` environment. It needs the packages booktabs, graphicx and multirow."""
     lines = [
         r"\begin{table*}[tbp]",
         r"\centering",
-        rf"\resizebox{{\textwidth}}{{!}}{{\begin{{tabular}}{{rrl*{{{width}}}{{r}}}}",
+        # As in the paper, a table that is wider than the text is shrunk to its width.
+        r"\footnotesize\resizebox{\ifdim\width>\textwidth\textwidth\else\width\fi}{!}{%",
+        rf"\begin{{tabular}}{{rrl*{{{len(grid.heads)}}}{{r}}}}",
         r"\toprule",
         *_heads(grid),
     ]
@@ -47,27 +48,24 @@ def table(grid: Grid) -> str:
         rf"\label{{table:{grid.name}}}",
     ]
     if grid.notes:
-        lines += [r"\begin{minipage}{\textwidth}\footnotesize", *(rf"{escape(note)}\par" for note in grid.notes)]
-        lines.append(r"\end{minipage}")
+        text = " ".join(map(escape, grid.notes))
+        lines += [r"\smallskip", rf"\begin{{minipage}}{{\textwidth}}\footnotesize {text}\end{{minipage}}"]
     return "\n".join([*lines, r"\end{table*}", ""])
 
 
 def document(grids: list[Grid], about: str) -> str:
     """Several tables as one file to `\\input`, with a comment that says what it needs."""
-    head = [f"% {about}", r"% Needs \usepackage[T1]{fontenc} \usepackage{booktabs,graphicx,multirow}", ""]
+    head = [f"% {about}", r"% Needs \usepackage{booktabs,graphicx,multirow}", ""]
     return "\n".join([*head, "\n".join(table(grid) for grid in grids)])
 
 
 def _heads(grid: Grid) -> list[str]:
-    labels = [Head("Model"), Head("Training"), Head("Fine-Tuning")]
+    labels = [Head("Model"), Head("Training"), Head("Fine-Tuning" if grid.upright else "Fine-Tuning, (# of images)")]
+    cells = [_stacked(head) for head in [*labels, *grid.heads]]
     if grid.upright:
-        cells = [_strong(escape(head.text), head.bold) for head in [*labels, *grid.heads]]
         cells[3:] = [rf"\multicolumn{{1}}{{c}}{{{cell}}}" for cell in cells[3:]]
     else:
-        cells = [
-            rf"\rotatebox[origin=l]{{90}}{{{_strong(escape(head.text), head.bold)}}}" for head in labels + grid.heads
-        ]
-        cells[2] = r"\rotatebox[origin=l]{90}{\shortstack[l]{Fine-Tuning \\ (\# of images)}}"
+        cells = [rf"\rotatebox[origin=l]{{90}}{{{cell}}}" for cell in cells]
     groups = [(name, len(list(heads))) for name, heads in groupby(grid.heads, key=lambda head: head.group)]
     above, rules, at = [], [], 4
     for name, span in groups:
@@ -77,6 +75,13 @@ def _heads(grid: Grid) -> list[str]:
         at += span
     grouped = [" & & & " + " & ".join(above) + r" \\", " ".join(rules)] if rules else []
     return [*grouped, " & ".join(cells) + r" \\"]
+
+
+def _stacked(head: Head) -> str:
+    """A head, in two lines where it has a comma."""
+    first, comma, second = head.text.partition(", ")
+    text = _strong(escape(first), head.bold)
+    return rf"\shortstack[l]{{{text} \\ {escape(second)}}}" if comma else text
 
 
 def _block(block: Block, width: float) -> list[str]:

@@ -33,6 +33,7 @@ def grids(
     )
     if all(score.published is None for result in results for score in result.scores.values()):
         return [ours]
+    notes = notes + _other_ground_truth(annotated, results)
     means = Grid(
         name=f"{test_set}_means",
         caption=f"Mean IoU on {data} in percent: the paper, the runs made here, and their difference. {ABBREVIATIONS}",
@@ -93,8 +94,8 @@ def _notes(annotated: list[str] | None, results: list[Result], seeds: Sequence[s
         absent = [name for name in CLASSES if name not in annotated]
         without = f" (not {', '.join(absent)})" if absent else ""
         notes.append(
-            f'"{len(annotated)} annotated": mean over the classes of this ground truth{without}; '
-            '"19 as published": absent classes count as 0.'
+            f"{len(annotated)} annotated: mean over the classes of this ground truth{without}; "
+            "19 as published: absent classes count as 0."
         )
     if len(seeds) > 1:
         notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation.")
@@ -105,6 +106,14 @@ def _notes(annotated: list[str] | None, results: list[Result], seeds: Sequence[s
         names = [f"{r.network} {r.label.row} ({sum(r.made)} of {len(r.made)})" for r in partial]
         notes.append(f"Fewer seeds than asked for: {', '.join(names)}.")
     return notes
+
+
+def _other_ground_truth(annotated: list[str] | None, results: list[Result]) -> list[str]:
+    """A note where the paper's ground truth has other classes than the one here."""
+    published = {name for r in results for name in CLASSES if r.scores[name].published is not None}
+    if annotated is None or published == set(annotated):
+        return []
+    return [f"The paper's column is over its own {len(published)} annotated classes."]
 
 
 def _blocks(results: list[Result], cells) -> list[Block]:
