@@ -87,8 +87,14 @@ class NetworkSettings(Section):
     width: Annotated[int, Field(ge=4)]
     decoder: Annotated[int, Field(ge=4)]
     weights: str
-    baseline: BaselinePolicy
+    baseline: BaselinePolicy | None
     fine_tuning: Policy
+
+    @model_validator(mode="after")
+    def _baseline_from_somewhere(self) -> "NetworkSettings":
+        if self.baseline is None and self.weights == "none":
+            raise ValueError("baseline: null takes the model in `weights` as row C, but weights is none")
+        return self
 
 
 class Train(Section):

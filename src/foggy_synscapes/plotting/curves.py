@@ -22,7 +22,11 @@ def curves(panels: Mapping[str, Mapping[str, tuple[Points, Points]]], title: str
         axes = figure.subplots(2, len(panels), squeeze=False, sharex=True)
         for column, (network, rows) in enumerate(panels.items()):
             for number, (row, losses) in enumerate(rows.items()):
-                style = {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)], "linewidth": 1.1}
+                style = {
+                    "color": COLOURS[number % len(COLOURS)],
+                    "linestyle": DASHES[number % len(DASHES)],
+                    "linewidth": 1.1,
+                }
                 for panel, points in zip(axes[:, column], losses, strict=True):
                     panel.plot(*zip(*points, strict=True) if points else ([], []), label=row, **style)
                 if losses[1]:

@@ -56,7 +56,9 @@ def grid(
                     panel.set_title(columns[place])
                 if notes and notes[number][place]:
                     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.2}
-                    panel.text(0.985, 0.03, notes[number][place], transform=panel.transAxes, ha="right", fontsize=6.5, bbox=box)
+                    panel.text(
+                        0.985, 0.03, notes[number][place], transform=panel.transAxes, ha="right", fontsize=6.5, bbox=box
+                    )
             if rows:
                 axes[number, 0].set_ylabel(rows[number])
         if legend:

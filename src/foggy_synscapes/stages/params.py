@@ -34,8 +34,14 @@ def summary(params: Params) -> list[str]:
         f"{len(params.scenes.shards) * len(betas)} shards"
     )
     for row, entry in params.subset.rows().items():
-        lines.append(f"{row}: {entry.train} training and {entry.validation} validation images ({params.subset.kind(row)})")
+        lines.append(
+            f"{row}: {entry.train} training and {entry.validation} validation images ({params.subset.kind(row)})"
+        )
     jobs = len(params.train.networks) * len(params.subset.rows()) * len(params.train.seeds)
-    lines.append(f"train: {jobs} trainings of {', '.join(params.train.networks)}; seeds {', '.join(params.train.seeds)}")
-    lines.append(f"evaluate: {jobs * len(params.evaluate.test_sets)} evaluations on {', '.join(params.evaluate.test_sets)}")
+    lines.append(
+        f"train: {jobs} trainings of {', '.join(params.train.networks)}; seeds {', '.join(params.train.seeds)}"
+    )
+    lines.append(
+        f"evaluate: {jobs * len(params.evaluate.test_sets)} evaluations on {', '.join(params.evaluate.test_sets)}"
+    )
     return lines

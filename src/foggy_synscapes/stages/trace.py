@@ -35,7 +35,9 @@ def trace(path: Path) -> dict[str, Any]:
     makers = {output: record for record in records.values() for output in record["outputs"]}
     name = path.as_posix()
     if name not in makers:
-        raise FoggyError(f"{name}: no run record has it among its outputs. Was it made by this pipeline, from this folder?")
+        raise FoggyError(
+            f"{name}: no run record has it among its outputs. Was it made by this pipeline, from this folder?"
+        )
     return _node(name, makers[name]["outputs"][name], makers, set())
 
 
