@@ -67,8 +67,9 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     _set_threads(params.train.threads)
     from foggy_synscapes.networks.weights import dump
     from foggy_synscapes.training import loop
-    from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
+    from foggy_synscapes.training.forward import Arithmetic
     from foggy_synscapes.training.policy import Policy
+    from foggy_synscapes.training.snapshots import SnapshotError
 
     settings: NetworkSettings = getattr(params.train, network)
     fine_tuned = row in params.train.from_baseline
@@ -102,8 +103,10 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
                 snapshot=_resume(snapshot, network, row),
                 report=_reporter(bar, policy.batch),
             )
-    except NotFiniteError as error:
-        raise FoggyError(f"{network} {row}: {error}") from error
+    except SnapshotError as error:
+        raise FoggyError(
+            f"{snapshot}: {error}. Restore what the training began with to go on, or delete the file to begin anew."
+        ) from error
     except ValueError as error:
         raise FoggyError(f"{network} {row}: {error}") from error
     model.network.load_state_dict(outcome.best)

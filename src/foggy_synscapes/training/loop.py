@@ -79,8 +79,10 @@ def train(
     ------
     NotFiniteError
         If a training or validation loss is infinite or not a number.
+    SnapshotError
+        If the snapshot is not one of this training (see `snapshots.restore`).
     ValueError
-        If a batch is larger than the list, or the snapshot is not one of this training (see `snapshots.restore`).
+        If a batch is larger than the list.
     """
     epoch = steps_per_epoch(training.count, policy.batch)
     arithmetic.place(network)

@@ -13,6 +13,10 @@ from foggy_synscapes.networks.weights import assign_values, read_tensors
 KEY = "foggy_snapshot"
 
 
+class SnapshotError(ValueError):
+    """A snapshot is damaged, or is not one of this training; the message says which."""
+
+
 @dataclass
 class Progress:
     """What a training has done so far, apart from weights.
@@ -60,18 +64,24 @@ def restore(
 
     Raises
     ------
-    ValueError
+    SnapshotError
         If it is no snapshot, was cut off, was taken with other settings (which are named), or of another network.
     """
-    about, tensors = read_tensors(data, KEY)
+    try:
+        about, tensors = read_tensors(data, KEY)
+    except ValueError as error:
+        raise SnapshotError(str(error)) from error
     different = differences(about["settings"], json.loads(json.dumps(settings)))
     if different:
-        raise ValueError("snapshot of a training with other settings: " + "; ".join(different))
+        raise SnapshotError("taken with other settings: " + "; ".join(different))
     parts: dict[str, dict[str, Tensor]] = {"network": {}, "best": {}, "momentum": {}}
     for name, tensor in tensors.items():
         part, _, rest = name.partition("/")
         parts[part][rest] = tensor
-    assign_values(network, parts["network"])
+    try:
+        assign_values(network, parts["network"])
+    except ValueError as error:
+        raise SnapshotError(str(error)) from error
     _restore_momentum(network, optimiser, parts["momentum"])
     return parts["best"], Progress(**about["progress"])
 

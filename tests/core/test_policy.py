@@ -1,0 +1,76 @@
+"""Schedules and parameter groups follow the policy to the letter."""
+
+from dataclasses import replace
+
+import pytest
+
+from foggy_synscapes.networks import NetworkConfig
+from foggy_synscapes.networks.build import build
+from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
+
+POLICY = Policy(
+    learning_rate=0.01,
+    schedule="poly",
+    power=0.9,
+    momentum=0.9,
+    weight_decay=0.0005,
+    norm_weight_decay=0.0,
+    batch=4,
+    accumulate=1,
+    crop=(32, 32),
+    scale=(0.75, 1.5),
+    flip=True,
+    loss="ohem",
+    ohem_threshold=0.7,
+    ohem_kept=0.0625,
+    auxiliary_weight=1.0,
+    loss_stride=4,
+    backbone_rate=1.0,
+    new_layer_rate=10.0,
+    freeze_batch_norm=False,
+)
+
+
+@pytest.fixture
+def network():
+    return build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4))
+
+
+def test_poly_begins_at_the_full_rate_and_ends_above_zero():
+    assert POLICY.rate(0, 100) == 0.01
+    assert POLICY.rate(99, 100) == pytest.approx(0.01 * 0.01**0.9)
+    assert POLICY.rate(50, 100) == pytest.approx(0.01 * 0.5**0.9)
+
+
+def test_constant_stays():
+    assert {replace(POLICY, schedule="constant").rate(step, 10) for step in range(10)} == {0.01}
+
+
+@pytest.mark.parametrize("step", [-1, 100])
+def test_step_outside_of_the_schedule_is_refused(step):
+    with pytest.raises(ValueError, match="step"):
+        POLICY.rate(step, 100)
+
+
+def test_every_parameter_is_in_one_group_with_its_rate_and_decay(network):
+    names = {id(parameter): name for name, parameter in network.named_parameters()}
+    seen = {}
+    for group in parameter_groups(network, POLICY):
+        for parameter in group["params"]:
+            name = names[id(parameter)]
+            assert name not in seen
+            seen[name] = (group["factor"], group["weight_decay"])
+    assert set(seen) == set(names.values())
+    assert seen["backbone.conv1.weight"] == (1.0, 0.0005)
+    assert seen["backbone.bn1.weight"] == (1.0, 0.0)
+    assert seen["head.classifier.weight"] == (10.0, 0.0005)
+    assert seen["head.classifier.bias"] == (10.0, 0.0)
+
+
+def test_frozen_batch_norm_neither_learns_nor_counts(network):
+    set_training(network, replace(POLICY, freeze_batch_norm=True))
+    assert network.training
+    assert not network.backbone.bn1.training
+    grouped = {id(p) for group in parameter_groups(network, POLICY) for p in group["params"]}
+    assert id(network.backbone.bn1.weight) not in grouped
+    assert id(network.backbone.conv1.weight) in grouped

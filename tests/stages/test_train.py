@@ -1,0 +1,253 @@
+"""`foggy train` on tiny files: what it writes, how it goes on, and what it refuses."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from foggy_synscapes.cli import main
+from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.io.images import encode_png
+
+ROOT = Path(__file__).resolve().parents[2]
+COLUMNS = ("image", "image_sha256", "label", "label_sha256")
+
+
+def frame(number):
+    """An image of blocks of four classes (road, building, sky, car), each of its own grey."""
+    random = np.random.default_rng(number)
+    labels = np.kron(random.choice([7, 11, 23, 26], (3, 4)), np.ones((16, 16))).astype(np.uint8)
+    return np.repeat((labels * 9)[..., None], 3, axis=2).astype(np.uint8), labels
+
+
+def write_lists(row, count=6):
+    """Cityscapes-like files and the two lists of a row."""
+    folder = Path("results/scenes/cityscapes")
+    folder.mkdir(parents=True, exist_ok=True)
+    entries = []
+    for number in range(count):
+        entry = []
+        for kind, pixels in zip(("image", "label"), frame(number), strict=True):
+            data = encode_png(pixels)
+            (folder / f"{kind}_{number}.png").write_bytes(data)
+            entry += [f"cityscapes:{kind}_{number}.png", sha256_bytes(data)]
+        entries.append(entry)
+    for name, part in (("train", entries[:4]), ("validation", entries[4:])):
+        write_list(row, name, part)
+    return entries
+
+
+def write_list(row, name, entries):
+    path = Path("results/subset") / row / f"{name}.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *entries])
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A folder with tiny networks in its params and a list for C and FC-498; gives a function that changes params."""
+    monkeypatch.chdir(tmp_path)
+    document = yaml.safe_load((ROOT / "params.yaml").read_text())
+    train = document["train"]
+    train |= {"curve": 1, "snapshot": 1, "seeds": ["0", "1"]}
+    train["rows"]["FC-498"] = {"length": {"epochs": 1}, "validate": {"epochs": 1}}
+    for name in ("bisenet", "refinenet"):
+        network = train[name]
+        network |= {"width": 4, "decoder": 4}
+        network["baseline"] |= {"length": {"iterations": 3}, "validate": {"iterations": 2}}
+        for policy in (network["baseline"], network["fine_tuning"]):
+            policy |= {"batch": 2, "crop": [32, 32]}
+
+    def change(path=(), value=None):
+        inner = train
+        for key in path[:-1]:
+            inner = inner[key]
+        if path:
+            inner[path[-1]] = value
+        Path("params.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+
+    change()
+    write_lists("C")
+    write_lists("FC-498")
+    return change
+
+
+def train(network="bisenet", row="C", seed="0"):
+    return main(["train", "--network", network, "--row", row, "--seed", seed])
+
+
+def hashes(network="bisenet", row="C", seed="0"):
+    folder = Path("results/train") / network / row / f"seed-{seed}"
+    return {path.name: sha256(path) for path in sorted(folder.iterdir())}
+
+
+@pytest.mark.parametrize("network", ["bisenet", "refinenet"])
+def test_a_baseline_and_its_fine_tuning_leave_model_curve_and_record(project, network, capsys):
+    assert train(network) == 0
+    assert train(network, "FC-498") == 0
+    for row in ("C", "FC-498"):
+        assert list(hashes(network, row)) == ["curves.csv", "model.safetensors", "run.json"]
+    record = json.loads(Path(f"results/train/{network}/FC-498/seed-0/run.json").read_text())
+    assert f"results/train/{network}/C/seed-0/model.safetensors" in record["inputs"]
+    assert record["params"]["train"][network]["fine_tuning"]["batch"] == 2
+    assert "stages/train.py" in record["code"]
+    with open(f"results/train/{network}/C/seed-0/curves.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["step"] for row in rows] == ["1", "2", "3"]
+    assert [bool(row["validation_loss"]) for row in rows] == [False, True, True]
+    assert "(kept)" in capsys.readouterr().out
+
+
+def test_training_again_gives_the_same_bytes_and_another_seed_others(project):
+    assert train() == 0
+    first = hashes()
+    assert train() == 0
+    assert hashes() == first
+    assert train(seed="1") == 0
+    assert hashes(seed="1")["model.safetensors"] != first["model.safetensors"]
+
+
+def interrupt(monkeypatch, step):
+    """Let a training end like one that was killed, when it saves its snapshot after a step."""
+    from foggy_synscapes.stages import train as stage
+
+    saved = []
+
+    def write(path, data):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        Path(path).write_bytes(data)
+        saved.append(path)
+        if len(saved) == step:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stage, "write_bytes", write)
+        assert train() == 1
+    assert list(hashes()) == ["snapshot.safetensors"]
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_an_interrupted_training_goes_on_to_the_same_bytes(project, monkeypatch, step, capsys):
+    assert train() == 0
+    first = hashes()
+    for name in first:
+        Path("results/train/bisenet/C/seed-0", name).unlink()
+    interrupt(monkeypatch, step)
+    assert train() == 0
+    assert "going on from" in capsys.readouterr().out
+    assert hashes() == first
+
+
+def test_a_snapshot_of_other_params_is_refused_with_the_keys(project, monkeypatch, capsys):
+    interrupt(monkeypatch, 1)
+    project(("bisenet", "baseline", "learning_rate"), 0.5)
+    assert train() == 1
+    message = capsys.readouterr().err
+    assert "bisenet.baseline.learning_rate: 0.01 -> 0.5" in message
+    assert "snapshot.safetensors" in message
+
+
+def test_a_large_list_is_read_again_each_time_to_the_same_bytes(project):
+    assert train() == 0
+    first = hashes()
+    project(("cache",), 0)
+    assert train() == 0
+    assert hashes() == first
+
+
+def refused(capsys, *parts, **arguments):
+    before = {path for path in Path("results/train").rglob("*") if path.is_file()}
+    assert train(**arguments) == 1
+    message = capsys.readouterr().err
+    assert "Traceback" not in message
+    for part in parts:
+        assert part in message
+    assert {path for path in Path("results/train").rglob("*") if path.is_file()} == before
+
+
+def replace_label(pixels):
+    """Put another label map in the place of the first, listed as it is."""
+    entries = write_lists("C")
+    data = encode_png(pixels)
+    Path("results/scenes/cityscapes/label_0.png").write_bytes(data)
+    entries[0][3] = sha256_bytes(data)
+    write_list("C", "train", entries[:4])
+
+
+def test_a_label_of_200_is_refused(project, capsys):
+    replace_label(np.full((48, 64), 200, np.uint8))
+    refused(capsys, "label_0.png", "200")
+
+
+def test_a_train_id_map_is_refused(project, capsys):
+    pixels = np.zeros((48, 64), np.uint8)
+    pixels[:20], pixels[20:30] = 10, 2
+    replace_label(pixels)
+    refused(capsys, "label_0.png", "trainIds")
+
+
+def test_a_label_of_another_size_is_refused(project, capsys):
+    replace_label(np.full((48, 60), 7, np.uint8))
+    refused(capsys, "label_0.png", "48 x 60", "image_0.png", "48 x 64")
+
+
+def test_a_vanished_file_is_named(project, capsys):
+    Path("results/scenes/cityscapes/image_5.png").unlink()
+    refused(capsys, "image_5.png")
+
+
+def test_a_changed_file_is_named(project, capsys):
+    Path("results/scenes/cityscapes/image_2.png").write_bytes(encode_png(frame(9)[0]))
+    refused(capsys, "image_2.png", "changed")
+
+
+def test_a_missing_list_is_named(project, capsys):
+    Path("results/subset/C/validation.csv").unlink()
+    refused(capsys, "validation.csv")
+
+
+def test_an_empty_list_is_refused(project, capsys):
+    write_list("C", "train", [])
+    refused(capsys, "train.csv", "no image")
+
+
+def test_a_batch_larger_than_the_list_is_refused(project, capsys):
+    project(("bisenet", "baseline", "batch"), 8)
+    refused(capsys, "batch: 8", "has 4")
+
+
+def test_zero_iterations_are_refused(project, capsys):
+    project(("bisenet", "baseline", "length"), {"iterations": 0})
+    refused(capsys, "bisenet.baseline.length.iterations")
+
+
+def test_a_loss_that_is_no_number_names_the_images(project, capsys):
+    project(("bisenet", "baseline", "learning_rate"), 1e30)
+    project(("snapshot",), 100)
+    refused(capsys, "loss is", "cityscapes:image_")
+
+
+def test_a_baseline_of_another_width_is_refused(project, capsys):
+    assert train() == 0
+    project(("bisenet", "width"), 8)
+    refused(capsys, "model.safetensors", "width=4", "width=8", row="FC-498")
+
+
+def test_a_missing_baseline_is_named(project, capsys):
+    refused(capsys, "bisenet/C/seed-0/model.safetensors", "Train row C", row="FC-498")
+
+
+def test_a_baseline_that_is_no_model_is_refused(project, capsys):
+    path = Path("results/train/bisenet/C/seed-0/model.safetensors")
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"not weights")
+    refused(capsys, "model.safetensors", "safetensors file", row="FC-498")
+
+
+@pytest.mark.parametrize("arguments", [{"row": "X"}, {"seed": "-1"}, {"seed": "x"}, {"network": "unet"}])
+def test_a_wrong_call_ends_with_status_2(project, arguments):
+    assert train(**arguments) == 2
