@@ -1,0 +1,131 @@
+"""The published tables: every number and every bold mark, held against the paper's own source."""
+
+import hashlib
+import json
+import os
+import re
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+
+from foggy_synscapes.published import TEST_SETS, load
+from foggy_synscapes.tabling import latex
+from foggy_synscapes.tabling.numbers import round_half_up
+from foggy_synscapes.tabling.paper import notes, published_columns, published_grid
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+# Of `cells()` below, for both tables: a change of any label, number or bold mark changes it.
+DIGEST = "26b6fb1ff13d7943687caa26a3218bb87ddf3864339bc53749e2adbfbeaec43e"
+DIGITS = re.compile(r"\d+\.\d|-")
+
+
+def cells(tex: str) -> list[list[list]]:
+    """All rows of a LaTeX table: network, training, fine-tuning with images, then [number, is it bold] by column."""
+    rows, network = [], None
+    body = re.sub(r"\\(hspace|makebox)(\[[^]]*\]|\{[^}]*\})+?(?=\{|\s|\()", "", tex)
+    for line in re.split(r"\\\\\s*\n", body):
+        if found := re.search(r"\\multirow.*?(RefineNet|BiSeNet)", line, re.DOTALL):
+            network = found[1]
+        parts = [part.strip() for part in line.split("&")]
+        if network is None or len(parts) != 23:
+            continue
+        label = re.sub(r"\\hfill|[{}~]", "", parts[2])
+        numbers = [[DIGITS.search(part.replace("multicolumn{1}", ""))[0], "textbf" in part] for part in parts[3:]]
+        rows.append([network, parts[1], " ".join(label.split()), *numbers])
+    return rows
+
+
+def made_tables() -> list:
+    return [cells(latex.table(published_grid(name, load(name)))) for name in TEST_SETS]
+
+
+@pytest.fixture(scope="module")
+def paper() -> list[str]:
+    path = Path(os.environ.get("FOGGY_PAPER", ROOT.parent / "shared" / "paper" / "foggy_synscapes.tex"))
+    if not path.is_file():
+        pytest.skip(f"the paper's source is not at {path}; set FOGGY_PAPER to it")
+    return path.read_text(encoding="utf-8").split("\n")
+
+
+def printed_tables(paper: list[str]) -> list:
+    # A row of the source may go over several lines and blank lines; "C & FC \hspace{19pt}(498) \n& 91.7" is one.
+    tables = re.findall(r"\\begin\{tabular\}.*?\\end\{tabular\}", "\n".join(paper), re.DOTALL)
+    return [cells(re.sub(r"\\thead|\n\s*\n", "\n", table)) for table in tables]
+
+
+def test_every_cell_and_bold_mark_is_as_in_the_paper(paper):
+    printed = printed_tables(paper)
+    assert [len(table) for table in printed] == [10, 10]
+    for ours, theirs in zip(made_tables(), printed, strict=True):
+        for mine, its in zip(ours, theirs, strict=True):
+            assert mine == its
+
+
+def test_every_cell_and_bold_mark_is_as_it_was_compared():
+    assert sum(len(row) - 3 for table in made_tables() for row in table) == 400
+    assert hashlib.sha256(json.dumps(made_tables()).encode()).hexdigest() == DIGEST
+
+
+def test_source_lines_hold_what_they_are_named_for(paper):
+    for name in TEST_SETS:
+        for row in load(name):
+            assert row.fine_tuning in paper[row.label_line - 1]
+            for value in row.iou.values():
+                assert ("-" if value is None else str(value)) in paper[row.value_line - 1]
+            assert str(row.mean) in paper[row.value_line - 1]
+
+
+def test_heads_are_in_the_papers_order(paper):
+    heads = re.findall(r"\\rotatebox\[origin=l\]\{90\}\{\\thead\{([^}]*\}?)\}\}", "\n".join(paper))
+    grid = published_grid("foggy_driving", load("foggy_driving"))
+    ours = ["Model", *(rf"\textbf{{{head.text}}}" if head.bold else head.text for head in grid.heads)]
+    assert [head for head in heads if head] == ours * 2
+
+
+@pytest.mark.parametrize("name", TEST_SETS)
+def test_there_are_two_blocks_of_five_rows(name):
+    grid = published_grid(name, load(name))
+    assert [(block.network, len(block.lines)) for block in grid.blocks] == [("RefineNet", 5), ("BiSeNet", 5)]
+    assert [line.images for line in grid.blocks[0].lines] == ["", "498", "24,500", "498", "498"]
+
+
+def test_driving_means_are_over_19():
+    for row in load("foggy_driving"):
+        assert round_half_up(row.mean_of_classes(annotated=True)) == row.mean
+    assert "All 10 agree" in notes(load("foggy_driving"))[0]
+
+
+def test_zurich_means_divide_by_19_and_two_are_rounded_otherwise():
+    rows = load("foggy_zurich")
+    odd = {
+        (row.network, row.row): (round_half_up(row.mean_of_classes(annotated=False), 2), row.mean)
+        for row in rows
+        if round_half_up(row.mean_of_classes(annotated=False)) != row.mean
+    }
+    assert odd == {
+        ("RefineNet", "FS-498"): (Decimal("42.76"), Decimal("42.7")),
+        ("BiSeNet", "FC-FS-498"): (Decimal("30.85"), Decimal("30.9")),
+    }
+    text = " ".join(notes(rows))
+    assert "8 of 10 agree" in text
+    assert "RefineNet FS (498): 42.76 recomputed, 42.7 printed" in text
+    assert "BiSeNet FC + FS (498): 30.85 recomputed, 30.9 printed" in text
+
+
+def test_zurich_means_over_the_18_annotated_classes():
+    rows = load("foggy_zurich")
+    means = [str(round_half_up(row.mean_of_classes(annotated=True))) for row in rows]
+    assert means == ["36.5", "38.9", "42.5", "45.1", "43.7", "17.0", "26.4", "29.3", "29.1", "32.6"]
+    assert all([name for name, value in row.iou.items() if value is None] == ["train"] for row in rows)
+
+
+def test_a_test_set_that_the_paper_does_not_have_has_no_rows():
+    assert load("cityscapes") == []
+
+
+def test_csv_has_every_cell_as_printed():
+    columns, rows = published_columns(load("foggy_zurich"))
+    first = dict(zip(columns, rows[0], strict=True))
+    assert (first["model"], first["images"], first["road"], first["train"]) == ("RefineNet", "", "74.3", "-")
+    assert (first["mean IoU"], first["recomputed mean over 19"], first["source line"]) == ("34.6", "34.55", "270")
