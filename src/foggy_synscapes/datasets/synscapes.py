@@ -4,7 +4,7 @@ Source: Wrenninge and Unger, Synscapes: A Photorealistic Synthetic Dataset for S
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -77,6 +77,11 @@ def shard_frames(shard: str, size: int, last: int | None = None) -> range:
 def shard_of(frame: int, size: int) -> str:
     """Name of the shard that holds a frame."""
     return f"{(frame - 1) // size:04d}"
+
+
+def camera_of(row: Mapping[str, str]) -> Camera:
+    """Camera from a row of `kept.csv`: its columns fx, fy, u0, v0, resx and resy."""
+    return Camera(*(float(row[name]) for name in ("fx", "fy", "u0", "v0")), int(row["resx"]), int(row["resy"]))
 
 
 def read_camera(path: str | Path) -> Camera:

@@ -7,9 +7,9 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.datasets import cityscapes, foggy_driving, foggy_zurich
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.datasets.predictions import find_pairs
+from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
@@ -133,7 +133,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         raise FoggyError(f"{source}: {error}") from error
     folder = FOLDER / test_set / network / row / f"seed-{seed}"
     tally = Tally()
-    pairs = _test_pairs(params, test_set)
+    pairs = labelled_pairs(test_set, root(params, test_set), read_index(f"{test_set}/all"), params.scenes.zurich_list)
     images = _predictions(model, params, test_set, pairs, tally)
     write_shard(folder / "predictions.tar", progress(images, f"evaluate {test_set}", total=len(pairs)))
     try:
@@ -166,18 +166,6 @@ def _predictions(model: Any, params: Params, test_set: str, pairs: list, tally: 
         except ValueError as error:
             raise FoggyError(f"{folder / label}: {error}") from error
         yield image, encode_png(predicted)
-
-
-def _test_pairs(params: Params, test_set: str) -> list[tuple[str, str]]:
-    """(image, labelIds) paths of a test set, sorted."""
-    folder = root(params, test_set)
-    if test_set == "foggy_driving":
-        pairs = foggy_driving.pairs(folder)
-    elif test_set == "foggy_zurich":
-        pairs = foggy_zurich.pairs(folder, params.scenes.zurich_list)
-    else:
-        pairs = cityscapes.pairs(read_index("cityscapes/all"), "val")
-    return sorted(pairs)
 
 
 def _count_folders(labels: Path, predictions: Path, pairs: list[tuple[str, str]], jobs: int) -> Tally:
