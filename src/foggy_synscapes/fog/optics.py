@@ -1,0 +1,159 @@
+"""Light through homogeneous fog: transmittance, visibility, and fog composited on 8-bit images.
+
+F(x) = t(x) R(x) + (1 - t(x)) L with t(x) = exp(-beta l(x)): R clear radiance, L atmospheric light, l distance
+along the ray. Source: Koschmieder 1924; paper, equations (1) and (2).
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from foggy_synscapes.fog.geometry import Rays
+
+CONTRAST = 2.996
+"""beta times meteorological optical range: -ln 0.05, rounded as in the paper, section III."""
+
+LIGHTEST = CONTRAST / 1000
+"""1/m; below it visibility exceeds 1 km and the air is not foggy by definition (paper, section III)."""
+
+
+def meteorological_optical_range(beta: float) -> float:
+    """Visibility in metres at an attenuation coefficient in 1/m, above 0.
+
+    >>> round(meteorological_optical_range(0.005))
+    599
+    """
+    return CONTRAST / _attenuation(beta, "beta")
+
+
+def attenuation(visibility: float) -> float:
+    """Attenuation coefficient beta in 1/m at a meteorological optical range in metres, above 0.
+
+    >>> attenuation(1000)
+    0.002996
+    """
+    return CONTRAST / _attenuation(visibility, "visibility")
+
+
+def transmittance(distance: np.ndarray, beta: float) -> np.ndarray:
+    """Share of light that comes through: float64, from 0 to 1.
+
+    Parameters
+    ----------
+    distance : metres along the ray, any shape, at least 0; infinity is allowed
+    beta : attenuation coefficient, 1/m, at least 0; 0 lets all light through, also from infinity
+
+    Raises ValueError if a distance or beta is negative or NaN, or beta is infinite.
+
+    >>> transmittance(np.array([0.0, 100.0, np.inf]), math.log(2) / 100)
+    array([1. , 0.5, 0. ])
+    """
+    distance = np.asarray(distance, dtype=np.float64)
+    if not (distance >= 0).all():
+        raise ValueError("distance: has values that are negative or not a number, expected metres")
+    if not 0 <= beta < math.inf:
+        raise ValueError(f"beta: {beta}, expected a finite number of 1/m that is not negative")
+    if beta == 0:
+        return np.ones_like(distance)
+    return np.exp(-beta * distance)
+
+
+def foggy_images(
+    image: np.ndarray,
+    depth: np.ndarray,
+    rays: Rays,
+    airlight: Sequence[int],
+    betas: Sequence[float],
+    out: np.ndarray | None = None,
+) -> np.ndarray:
+    """Fog on one image at several densities: uint8 (B, H, W, 3), each value floor(255 F + 0.5).
+
+    Arithmetic is float64, or of an accuracy that provably gives the same level (see `fog.kernel`).
+
+    Parameters
+    ----------
+    image : uint8 (H, W, 3)
+    depth : float32 or float64 (H, W), planar metres, at least 0; infinity gives the airlight
+    rays : of the image's camera, see `fog.geometry`
+    airlight : three levels, 0 to 255
+    betas : 1/m, at least 0; 0 gives the image itself
+    out : written and returned where given
+
+    Raises ValueError if shapes differ, a depth or beta is negative or NaN, or beta is infinite.
+
+    >>> from foggy_synscapes.fog.geometry import straight
+    >>> image = np.full((1, 2, 3), 100, np.uint8)
+    >>> depth = np.array([[100.0, np.inf]])
+    >>> foggy_images(image, depth, straight((1, 2)), (200, 200, 200), [math.log(2) / 100])[0, 0]
+    array([[150, 150, 150],
+           [200, 200, 200]], dtype=uint8)
+    """
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+        raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
+    return _render(image, depth, rays, np.asarray(airlight, np.uint8), betas, out)
+
+
+def transmittance_images(
+    depth: np.ndarray, rays: Rays, betas: Sequence[float], out: np.ndarray | None = None
+) -> np.ndarray:
+    """Transmittance at several densities in 8 bits: uint8 (B, H, W), floor(255 t + 0.5).
+
+    Parameters and errors as in `foggy_images`: this is fog of no light on a white image.
+    """
+    white = np.broadcast_to(np.uint8(255), (*depth.shape, 1)).copy()
+    out = None if out is None else out[..., None]
+    return _render(white, depth, rays, np.zeros(1, np.uint8), betas, out)[..., 0]
+
+
+def count_zero_depth(depth: np.ndarray) -> int:
+    """How many pixels lie at distance 0, which usually means missing depth; ValueError as in `foggy_images`."""
+    from foggy_synscapes.fog import kernel
+
+    if depth.ndim != 2 or depth.dtype not in (np.float32, np.float64):
+        raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 or float64 (H, W)")
+    wrong, zero = kernel.survey(depth)
+    if wrong:
+        raise ValueError(f"depth: {wrong} values are negative or not a number, expected metres")
+    return zero
+
+
+def _render(
+    image: np.ndarray,
+    depth: np.ndarray,
+    rays: Rays,
+    airlight: np.ndarray,
+    betas: Sequence[float],
+    out: np.ndarray | None,
+) -> np.ndarray:
+    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
+    from foggy_synscapes.fog import kernel
+
+    if not image.shape[:2] == depth.shape == rays.shape:
+        raise ValueError(
+            f"shapes differ: image {image.shape[:2]}, depth {depth.shape}, camera {rays.shape} (rows, columns)"
+        )
+    count_zero_depth(depth)
+    for beta in betas:
+        if not 0 <= beta < math.inf:
+            raise ValueError(f"beta: {beta}, expected a finite number of 1/m that is not negative")
+    if out is None:
+        out = np.empty((len(betas), *image.shape), np.uint8)
+    elif out.shape != (len(betas), *image.shape) or out.dtype != np.uint8 or not out.flags.c_contiguous:
+        raise ValueError(f"out: {out.dtype} {out.shape}, expected contiguous uint8 {(len(betas), *image.shape)}")
+    image, depth = np.ascontiguousarray(image), np.ascontiguousarray(depth)
+    if all(beta > 0 for beta in betas):
+        kernel.render(image, depth, rays.rows, rays.columns, rays.scale, np.asarray(betas, float), airlight, out)
+        return out
+    for beta, foggy in zip(betas, out, strict=True):
+        if beta == 0:
+            foggy[...] = image  # also where distance is infinite: no fog, no airlight
+        else:
+            _render(image, depth, rays, airlight, [beta], foggy[None])
+    return out
+
+
+def _attenuation(value: float, name: str) -> float:
+    if not 0 < value < math.inf:
+        raise ValueError(f"{name}: {value}, expected a finite number above 0")
+    return value
