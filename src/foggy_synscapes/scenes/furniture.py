@@ -4,6 +4,7 @@ import numpy as np
 
 from foggy_synscapes.scenes import sprites, textures
 from foggy_synscapes.scenes.canvas import Canvas, Solid
+from foggy_synscapes.scenes.sky import Weather
 from foggy_synscapes.scenes.street import ID, STATIC, Street
 from foggy_synscapes.scenes.textures import colour
 
@@ -27,7 +28,7 @@ def _post_colours(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return colours, labels
 
 
-def paint_furniture(canvas: Canvas, street: Street, rng: np.random.Generator, grain: float) -> None:
+def paint_furniture(canvas: Canvas, street: Street, rng: np.random.Generator, weather: Weather, grain: float) -> None:
     """Scatter what stands along a street; positions follow the kerbs and the crossing."""
     for side in (-1, 1):
         inner, outer = sorted(street.pavement(side), key=abs)
@@ -44,7 +45,8 @@ def paint_furniture(canvas: Canvas, street: Street, rng: np.random.Generator, gr
         behind = street.verges[0 if side < 0 else 1]
         for z in trees:
             x = outer + side * behind * 0.5 if behind else edge + side * 0.4
-            if not street.crossed(z - 1, z + 1):
+            # Near trees would hide the little blue sky that a street shows.
+            if not street.crossed(z - 1, z + 1) and not (weather.blue and z < 40):
                 _tree(canvas, float(x), float(z), 0.0 if behind else street.curb_height, int(rng.integers(6)), rng)
         for _ in range(rng.integers(0, 4) if behind else 0):
             _tree(

@@ -1,4 +1,8 @@
-"""Fog in the stand-in's own photographs: a little uneven, and of densities that no training set uses."""
+"""Fog in the stand-in's own photographs: a little uneven, and of densities that no training set uses.
+
+It stands apart from the fog core on purpose: these pictures play the part of data from elsewhere, and a change
+of the fog core must not draw them anew.
+"""
 
 import numpy as np
 

@@ -78,7 +78,7 @@ def render(
     street.paint_ground(canvas, road, layout, grain)
     traffic.paint_shadows(canvas, placed, weather)
     built = street.paint_houses(canvas, road, layout, weather, grain)
-    furniture.paint_furniture(canvas, road, layout, grain)
+    furniture.paint_furniture(canvas, road, layout, weather, grain)
     traffic.paint_vehicles(canvas, placed, users)
     traffic.paint_people(canvas, road, layout, users)
     sky.paint_sky(canvas, weather, layout, street.ID["sky"])

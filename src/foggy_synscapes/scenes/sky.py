@@ -77,6 +77,8 @@ def paint_sky(canvas: Canvas, weather: Weather, rng: np.random.Generator, label:
         grey = np.clip((field - 0.25) * 0.12 + 0.25 * up, 0, 0.16)
         canvas.rgb[open_sky] = white * (1 - grey)[:, None]
         return
-    gap = np.clip((field - 0.15) * 1.8, 0, 1) * np.minimum(1, up / 0.07) * min(1.0, (weather.sky_contrast - 2.9) / 1.6)
+    # Blue gaps only well above the horizon: enough white is always seen for a white atmospheric light.
+    height = np.clip((up - 0.07) / 0.08, 0, 1)
+    gap = np.clip((field - 0.3) * 1.8, 0, 0.9) * height * min(1.0, (weather.sky_contrast - 2.9) / 1.6)
     blue = colour(142, 186, 228)
     canvas.rgb[open_sky] = white * (1 - gap)[:, None] + blue * gap[:, None]

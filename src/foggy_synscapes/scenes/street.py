@@ -183,7 +183,7 @@ def paint_houses(
     for side in (-1, 1):
         front = street.front(side)
         z = float(rng.uniform(3, 14))
-        tall = rng.uniform(5, 12)
+        tall = rng.uniform(5, 12) * (0.6 if weather.blue else 1.0)
         while z < 150:
             length = float(rng.uniform(8, 22))
             kind = rng.random()

@@ -84,19 +84,20 @@ def place_vehicles(
             placed.append(Placed(name, vehicle, x, centre, heading))
         return 2 * half_z
 
+    nearest = 26.0 if weather.blue else 9.0  # tall vehicles leave the blue sky in view
     if street.rails is not None:
-        put("train", street.rails, float(rng.uniform(9, 34)), math.pi)
+        put("train", street.rails, float(rng.uniform(nearest, 34)), math.pi)
     if rng.random() < 0.33:
         lane = float(rng.choice(street.left_lanes + street.right_lanes[-1:]))
-        put("bus", lane, float(rng.uniform(9, 32)), math.pi if lane in street.left_lanes else 0.0)
+        put("bus", lane, float(rng.uniform(nearest, 32)), math.pi if lane in street.left_lanes else 0.0)
     if rng.random() < 0.36:
         lane = float(rng.choice(street.left_lanes + street.right_lanes[-1:]))
-        put("truck", lane, float(rng.uniform(9, 32)), math.pi if lane in street.left_lanes else 0.0)
+        put("truck", lane, float(rng.uniform(nearest, 32)), math.pi if lane in street.left_lanes else 0.0)
     for row, heading in ((street.right_lanes, 0.0), (street.left_lanes, math.pi)):
         for lane in row:
             z = float(rng.uniform(8, 26))
             for _ in range(rng.integers(0, 5)):
-                name = str(rng.choice(["car"] * 10 + ["truck", "bus"]))
+                name = str(rng.choice(["car"] * 10 + ["truck", "bus"])) if z > nearest else "car"
                 z += put(
                     name, lane + float(rng.uniform(-0.25, 0.25)), z, heading + float(rng.uniform(-0.02, 0.02))
                 ) + float(rng.uniform(3, 22))
@@ -173,7 +174,8 @@ def _person(canvas: Canvas, x: float, z: float, y: float, rng: np.random.Generat
 
 
 def _rider(
-    canvas: Canvas, kind: str, x: float, z: float, y: float, side: bool, ridden: bool, rng: np.random.Generator, traffic: Traffic,
+    canvas: Canvas, kind: str, x: float, z: float, y: float, side: bool, ridden: bool, rng: np.random.Generator,
+    traffic: Traffic,
 ) -> None:  # fmt: skip
     colours = _clothes(rng)
     colours[sprites.WHEEL], colours[sprites.HUB] = (

@@ -9,7 +9,7 @@ import numpy as np
 
 from foggy_synscapes.scenes.canvas import Canvas, Hit, Shader, Solid
 from foggy_synscapes.scenes.noise import noise
-from foggy_synscapes.scenes.textures import BACK, FRONT, GLASS, PAINTS, RIGHT, TOP, colour
+from foggy_synscapes.scenes.textures import BACK, FRONT, GLASS, LEFT, PAINTS, RIGHT, TOP, colour
 
 RUBBER, LIGHT, TAIL, BUMPER = colour(22, 22, 24), colour(236, 236, 220), colour(178, 20, 18), colour(40, 41, 43)
 
@@ -38,17 +38,13 @@ def _wheels(a: np.ndarray, y: np.ndarray, places: tuple[float, ...], radius: flo
 
 
 def _chassis(
-    paint: np.ndarray, half: tuple[float, float], wheels: tuple[float, ...], radius: float, clearance: float, grain: float,
-    stripe: np.ndarray | None = None,
+    paint: np.ndarray, across: float, wheels: tuple[float, ...], radius: float, clearance: float, grain: float,
 ) -> Shader:  # fmt: skip
     # Lower body: paint, wheels on the sides, lights and bumpers at the ends, open below between the wheels.
-    across, along = half
 
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray]:
         y, side, end = hit.y, hit.face <= RIGHT, (hit.face == FRONT) | (hit.face == BACK)
         rgb = paint[None, :] * (1.0 + 0.5 * grain * noise(hit.x + hit.z, y, 6.0))[:, None].astype(np.float32)
-        if stripe is not None:
-            rgb[(y > 0.8) & (y < 1.0) & side] = stripe
         rgb[(y < clearance + 0.14) & (side | end)] = BUMPER
         rgb[side & (np.abs(y - 0.82) < 0.03)] *= np.float32(0.7)
         tyre, rim = _wheels(hit.z, y, wheels, radius)
@@ -84,7 +80,7 @@ def _cabin(paint: np.ndarray, low: float, high: float, length: float, width: flo
 
 
 def _panels(
-    paint: np.ndarray, height: float, windows: tuple[float, float] | None, bay: float, grain: float, mirror: float,
+    paint: np.ndarray, across: float, height: float, windows: tuple[float, float] | None, bay: float, grain: float, mirror: float,
     trim: np.ndarray, wheels: tuple[float, ...] = (), radius: float = 0.48, clearance: float = 0.3, rails: bool = False,
 ) -> Shader:  # fmt: skip
     # One tall body: bus, tram, truck box. `windows` is the band's lower and upper edge.
@@ -92,18 +88,17 @@ def _panels(
         y, side, end = hit.y, hit.face <= RIGHT, (hit.face >= FRONT)
         rgb = paint[None, :] * (1.0 + 0.5 * grain * noise(hit.x + hit.z, y, 5.0))[:, None].astype(np.float32)
         glass = GLASS * np.float32(1 - mirror) + np.float32(mirror) * colour(190, 206, 222)
-        half = np.float32(np.abs(hit.x).max()) if hit.x.size else np.float32(1)
         if windows:
             u = hit.z / bay - np.floor(hit.z / bay)
             band = (y > windows[0]) & (y < windows[1])
             rgb[side & band & (u > 0.07)] = glass
-            rgb[end & (y > windows[0] - 0.25) & (y < windows[1]) & (np.abs(hit.x) < half - 0.15)] = glass
+            rgb[end & (y > windows[0] - 0.25) & (y < windows[1]) & (np.abs(hit.x) < across - 0.15)] = glass
             rgb[end & (y > windows[1] + 0.06) & (y < windows[1] + 0.3) & (np.abs(hit.x) < 0.7)] = colour(230, 150, 40)
         else:
             rgb[side & ((hit.z / 2.2 - np.floor(hit.z / 2.2)) < 0.03)] *= np.float32(0.75)
             rgb[end & (np.abs(hit.x) < 0.03)] *= np.float32(0.5)
         rgb[(y < clearance + 0.25) & ~(hit.face == TOP)] = trim
-        lamps = end & (np.abs(np.abs(hit.x) - half + 0.3) < 0.18) & (np.abs(y - 0.85) < 0.14)
+        lamps = end & (np.abs(np.abs(hit.x) - across + 0.3) < 0.18) & (np.abs(y - 0.85) < 0.14)
         rgb[lamps & (hit.face != BACK)] = TAIL
         rgb[lamps & (hit.face == BACK)] = LIGHT
         rgb[y > height - 0.12] *= np.float32(0.75)
@@ -112,7 +107,7 @@ def _panels(
             tyre, rim = _wheels(hit.z, y, wheels, radius)
             rgb[side & tyre] = RUBBER
             rgb[side & rim] = colour(110, 112, 116)
-            tread = end & (np.abs(np.abs(hit.x) - half + 0.25) < 0.2)
+            tread = end & (np.abs(np.abs(hit.x) - across + 0.25) < 0.2)
             rgb[tread & (y < clearance)] = RUBBER
             keep = keep | (side & tyre) | tread
         if rails:
@@ -134,20 +129,22 @@ def car(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     rear = (-half[1] + 0.08, -half[1] + 0.1, -half[1] + 0.55, -half[1] + 0.05)[style]
     front = half[1] - (1.35, 1.2, 1.3, 0.75)[style]
     rake, slope, tuck = (0.35, 0.15, 0.9, 0.08)[style], 0.9, 0.28
-    cabin = Solid(
-        (-half[0], belt - 0.02, rear),
-        (half[0], roof, front),
-        ((0, slope, 1, front + slope * belt), (0, rake, -1, -rear + rake * belt), (1, tuck, 0, half[0] - 0.03 + tuck * belt),
-         (-1, tuck, 0, half[0] - 0.03 + tuck * belt)),
-    )  # fmt: skip
+    side = half[0] - 0.03 + tuck * belt
+    glass = (
+        (0, slope, 1, front + slope * belt),
+        (0, rake, -1, -rear + rake * belt),
+        (1, tuck, 0, side),
+        (-1, tuck, 0, side),
+    )
+    cabin = Solid((-half[0], belt - 0.02, rear), (half[0], roof, front), glass)
     wheels = (-half[1] + 0.78, half[1] - 0.8)
-    shaders = _chassis(paint, half, wheels, 0.33, 0.24, grain), _cabin(paint, belt, roof, length, width, mirror)
-    return Vehicle([(body, shaders[0]), (cabin, _slanted(shaders[1]))], length, width)
+    shaders = _chassis(paint, half[0], wheels, 0.33, 0.24, grain), _cabin(paint, belt, roof, length, width, mirror)
+    return Vehicle([(body, shaders[0]), (cabin, _as_faces(shaders[1], (BACK, FRONT, RIGHT, LEFT)))], length, width)
 
 
-def _slanted(shader: Shader) -> Shader:
-    # Cuts 6 to 9 of a cabin stand for its windscreen, rear window and sides: give them those faces.
-    faces = np.array([0, 1, 2, 3, 4, 5, 5, 4, 1, 0], np.uint8)
+def _as_faces(shader: Shader, cuts: tuple[int, ...]) -> Shader:
+    # Slanted cuts are shaded as the faces of the box that they stand for.
+    faces = np.array([*range(6), *cuts], np.uint8)
 
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
         return shader(Hit(faces[hit.face], hit.x, hit.y, hit.z, hit.depth))
@@ -171,8 +168,11 @@ def truck(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     wheels = (-half + 1.3, half - 2.6)
     return Vehicle(
         [
-            (rear, _panels(box, height, None, 1, grain, mirror, dark, wheels, 0.5, 0.62)),
-            (cab, _panels(paint, 2.65, (1.45, 2.3), 3.0, grain, mirror, dark, (half - 1.0,), 0.5, 0.4)),
+            (rear, _panels(box, width / 2, height, None, 1, grain, mirror, dark, wheels, 0.5, 0.62)),
+            (
+                cab,
+                _panels(paint, width / 2 - 0.06, 2.65, (1.45, 2.3), 3.0, grain, mirror, dark, (half - 1.0,), 0.5, 0.4),
+            ),
         ],
         length,
         width,
@@ -201,7 +201,7 @@ def bus(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
         0.48,
         0.3,
     )
-    return Vehicle([(body, _nosed(shader))], length, width)
+    return Vehicle([(body, _as_faces(shader, (BACK, FRONT)))], length, width)
 
 
 def train(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
@@ -220,17 +220,7 @@ def train(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
         rgb[(hit.y > 1.0) & (hit.y < 1.22)] = colour(196, 40, 40)
         return rgb, keep
 
-    return Vehicle([(body, _nosed(shade))], length, width)
-
-
-def _nosed(shader: Shader) -> Shader:
-    # Cuts 6 and 7 slant the front and the back end.
-    faces = np.array([0, 1, 2, 3, 4, 5, 5, 4], np.uint8)
-
-    def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
-        return shader(Hit(faces[hit.face], hit.x, hit.y, hit.z, hit.depth))
-
-    return shade
+    return Vehicle([(body, _as_faces(shade, (BACK, FRONT)))], length, width)
 
 
 MAKERS = {"car": car, "truck": truck, "bus": bus, "train": train}

@@ -24,7 +24,7 @@ CHECKPOINT = 100  # frames after which the record of what is made is saved
 _REAL = """Frames of {name} are read from the folder that scenes.roots.{name} names; nothing is rendered here.
 Their index is in results/scenes/index/{name}.
 """
-_RENDERED = """Stand-in for {name}: drawn by a program, in the layout of the real dataset. No real photograph is among them.
+_RENDERED = """Stand-in for {name}: drawn by a program, in the layout of the real dataset; no photograph is among them.
 Their index is in results/scenes/index/{name}. Set scenes.roots.{name} to use the real dataset instead.
 """
 
