@@ -80,8 +80,9 @@ def _cabin(paint: np.ndarray, low: float, high: float, length: float, width: flo
 
 
 def _panels(
-    paint: np.ndarray, across: float, height: float, windows: tuple[float, float] | None, bay: float, grain: float, mirror: float,
-    trim: np.ndarray, wheels: tuple[float, ...] = (), radius: float = 0.48, clearance: float = 0.3, rails: bool = False,
+    paint: np.ndarray, across: float, height: float, windows: tuple[float, float] | None, bay: float, grain: float,
+    mirror: float, trim: np.ndarray, wheels: tuple[float, ...] = (), radius: float = 0.48, clearance: float = 0.3,
+    rails: bool = False,
 ) -> Shader:  # fmt: skip
     # One tall body: bus, tram, truck box. `windows` is the band's lower and upper edge.
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray]:
@@ -191,6 +192,7 @@ def bus(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     )
     shader = _panels(
         paint,
+        width / 2,
         height,
         (1.25, 2.45),
         1.6,
@@ -212,7 +214,18 @@ def train(rng: np.random.Generator, grain: float, glare: float) -> Vehicle:
     nose = (0, 0.45, 1, half + 0.45 * 1.1), (0, 0.45, -1, half + 0.45 * 1.1)
     body = Solid((-width / 2, 0, -half), (width / 2, height, half), nose)
     inner = _panels(
-        paint, height, (1.35, 2.7), 2.6, grain, 0.15 + 0.25 * glare, colour(34, 36, 40), (), 0.4, 0.2, rails=True
+        paint,
+        width / 2,
+        height,
+        (1.35, 2.7),
+        2.6,
+        grain,
+        0.15 + 0.25 * glare,
+        colour(34, 36, 40),
+        (),
+        0.4,
+        0.2,
+        rails=True,
     )
 
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
