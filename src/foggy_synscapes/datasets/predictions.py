@@ -1,11 +1,19 @@
 """Any folder of predictions beside any folder of label maps: which PNG files there are and which belong together."""
 
 import os
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.images import read_ids
+from foggy_synscapes.progress import progress
 from foggy_synscapes.scoring.pairing import is_other_map, named_encoding, pair
+from foggy_synscapes.scoring.tally import Tally
+
+BATCH = 8  # images that a process counts before it reports
 
 _IMAGES = (".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".npy", ".npz", ".webp", ".gif")
 
@@ -54,6 +62,49 @@ def find_pairs(labels: Path, predictions: Path, wanted: str | None = None) -> Pa
             "Each label map needs one prediction with the same relative path, or the same unique name."
         ) from error
     return Pairs(pairs, kinds.pop(), stated.pop() if len(stated) == 1 else None, len(truth) - len(maps))
+
+
+def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], jobs: int) -> Tally:
+    """Count all pairs in `jobs` processes: the result does not depend on their number, nor memory on the images'.
+
+    Raises
+    ------
+    FoggyError
+        If a file is damaged or no 8-bit grey PNG, or a prediction differs in size from its label map.
+    """
+    tally = Tally()
+    batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
+    jobs = min(jobs, len(batches))
+    if jobs == 1:
+        for pair in progress(pairs, "evaluate"):
+            tally.merge(_count(labels, predictions, [pair]))
+        return tally
+    with ProcessPoolExecutor(jobs) as pool:
+        parts = pool.map(_count, [labels] * len(batches), [predictions] * len(batches), batches)
+        try:
+            for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
+                tally.merge(part)
+        except FoggyError:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return tally
+
+
+def _count(labels: Path, predictions: Path, pairs: list[tuple[str, str]]) -> Tally:
+    tally = Tally()
+    for label, prediction in pairs:
+        truth, guess = read_ids(labels / label), read_ids(predictions / prediction)
+        if truth.shape != guess.shape:
+            raise FoggyError(
+                f"{predictions / prediction}: {_size(guess)}, but its label map {labels / label} has {_size(truth)} "
+                "(rows x columns). Predictions are scored at the size of the labels, never resized."
+            )
+        tally.add(truth, guess, label, prediction)
+    return tally
+
+
+def _size(array: np.ndarray) -> str:
+    return " x ".join(map(str, array.shape))
 
 
 def _png_files(folder: Path, what: str) -> list[str]:

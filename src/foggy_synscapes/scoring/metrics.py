@@ -78,6 +78,7 @@ def check(document: Any) -> None:
         scores = [entry["iou"] for entry in document["classes"]]
         means = [document["mean_iou"][convention] for convention in ("annotated", "as_published")]
         counts = [entry[key] for entry in document["classes"] for key in ("tp", "fp", "fn")] + [document["images"]]
+        annotated = document["annotated_classes"]
     except (KeyError, TypeError) as error:
         raise ValueError(f"not the scores of a test set ({error!r})") from None
     for value in [score for score in scores if score is not None] + means:
@@ -86,5 +87,5 @@ def check(document: Any) -> None:
     for value in counts:
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             raise ValueError(f"count {value!r}, expected a whole number from 0 on")
-    if document["annotated_classes"] != len([score for score in scores if score is not None]):
-        raise ValueError(f"{document['annotated_classes']} annotated classes, but another number of scores is defined")
+    if annotated != sum(score is not None for score in scores):
+        raise ValueError(f"{annotated} annotated classes, but another number of scores is defined")

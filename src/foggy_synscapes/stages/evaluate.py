@@ -3,12 +3,11 @@
 import argparse
 import json
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.datasets.index import expect, index_path, read_index
-from foggy_synscapes.datasets.predictions import find_pairs
+from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
@@ -26,7 +25,6 @@ HELP = "Score a model on a test set, or any PNG predictions against label maps (
 FOLDER = Path("results/evaluate")
 MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
 TEST_SETS = ("foggy_driving", "foggy_zurich", "cityscapes")
-BATCH = 8  # images that a worker counts before it reports
 JOB = ("network", "row", "seed", "test_set")
 
 
@@ -95,16 +93,13 @@ def score(
     found = find_pairs(labels, predictions, labels_encoding)
     if found.other_maps:
         print(f"{labels}: {found.other_maps} files are not maps of the ids asked for and are left out")
-    tally = _count_folders(labels, predictions, found.pairs, jobs)
-    try:
-        truth = tally.labels.encoding(labels_encoding, found.labels_named)
-        guess = tally.predictions.encoding(predictions_encoding, found.predictions_named)
-        scores = summarize(tally.matrix(truth, guess), tally.images)
-    except ValueError as error:
-        raise FoggyError(f"{error} (labels: {labels}, predictions: {predictions})") from error
-    scores["encoding"] = {"labels": truth, "predictions": guess}
+    tally = count_pairs(labels, predictions, found.pairs, jobs)
+    where = f"labels: {labels}, predictions: {predictions}"
+    asked = labels_encoding, predictions_encoding
+    scores = _summary(tally, *asked, where, found.labels_named, found.predictions_named)
     _write_scores(out, scores)
-    print(f"{out}: labels read as {truth}, predictions as {guess}; {_in_words(scores)}")
+    read = scores["encoding"]
+    print(f"{out}: labels read as {read['labels']}, predictions as {read['predictions']}; {_in_words(scores)}")
     return scores
 
 
@@ -132,16 +127,12 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     folder = FOLDER / test_set / network / row / f"seed-{seed}"
-    tally = Tally()
-    pairs = labelled_pairs(test_set, root(params, test_set), read_index(f"{test_set}/all"), params.scenes.zurich_list)
-    images = _predictions(model, params, test_set, pairs, tally)
+    index, data = read_index(f"{test_set}/all"), root(params, test_set)
+    pairs = labelled_pairs(test_set, data, index, params.scenes.zurich_list)
+    expect(index, [path for pair in pairs for path in pair], test_set)
+    scores: dict[str, Any] = {}
+    images = _predictions(model, data, index, pairs, scores)
     write_shard(folder / "predictions.tar", progress(images, f"evaluate {test_set}", total=len(pairs)))
-    try:
-        tally.labels.encoding(asked="labelIds")
-        scores = summarize(tally.matrix("labelIds", "trainIds"), tally.images)
-    except ValueError as error:
-        raise FoggyError(f"{test_set}: {error}") from error
-    scores["encoding"] = {"labels": "labelIds", "predictions": "trainIds"}
     _write_scores(folder / "metrics.json", scores)
     write_run(
         folder / "run.json",
@@ -153,10 +144,14 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}")
 
 
-def _predictions(model: Any, params: Params, test_set: str, pairs: list, tally: Tally) -> Iterator[tuple[str, bytes]]:
-    """Predict image by image, count each, and give (member name, PNG of trainIds)."""
-    index, folder = read_index(f"{test_set}/all"), root(params, test_set)
-    expect(index, [path for pair in pairs for path in pair], test_set)
+def _predictions(
+    model: Any, folder: Path, index: dict[str, str], pairs: list[tuple[str, str]], scores: dict[str, Any]
+) -> Iterator[tuple[str, bytes]]:
+    """Predict image by image and give (member name, PNG of trainIds); at the end, put the scores into `scores`.
+
+    Scoring belongs to the iteration so that predictions that cannot be scored are not kept either.
+    """
+    tally = Tally()
     for image, label in pairs:
         rgb = read_rgb(read_checked(folder / image, index[image]), str(folder / image))
         truth = read_ids(read_checked(folder / label, index[label]), str(folder / label))
@@ -166,43 +161,25 @@ def _predictions(model: Any, params: Params, test_set: str, pairs: list, tally: 
         except ValueError as error:
             raise FoggyError(f"{folder / label}: {error}") from error
         yield image, encode_png(predicted)
+    scores.update(_summary(tally, "labelIds", "trainIds", str(folder)))
 
 
-def _count_folders(labels: Path, predictions: Path, pairs: list[tuple[str, str]], jobs: int) -> Tally:
-    """Count all pairs of two folders, in `jobs` processes."""
-    tally = Tally()
-    batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
-    jobs = min(jobs, len(batches))
-    if jobs == 1:
-        for pair in progress(pairs, "evaluate"):
-            tally.merge(_count(labels, predictions, [pair]))
-        return tally
-    with ProcessPoolExecutor(jobs) as pool:
-        parts = pool.map(_count, [labels] * len(batches), [predictions] * len(batches), batches)
-        try:
-            for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
-                tally.merge(part)
-        except FoggyError:
-            pool.shutdown(cancel_futures=True)
-            raise
-    return tally
-
-
-def _count(labels: Path, predictions: Path, pairs: list[tuple[str, str]]) -> Tally:
-    tally = Tally()
-    for label, prediction in pairs:
-        truth, guess = read_ids(labels / label), read_ids(predictions / prediction)
-        if truth.shape != guess.shape:
-            raise FoggyError(
-                f"{predictions / prediction}: {_size(guess)}, but its label map {labels / label} has {_size(truth)} "
-                "(rows x columns). Predictions are scored at the size of the labels, never resized."
-            )
-        tally.add(truth, guess, label, prediction)
-    return tally
-
-
-def _size(array: Any) -> str:
-    return " x ".join(map(str, array.shape))
+def _summary(
+    tally: Tally,
+    labels_asked: str | None,
+    predictions_asked: str | None,
+    where: str,
+    labels_named: str | None = None,
+    predictions_named: str | None = None,
+) -> dict[str, Any]:
+    """Scores of a tally, whose encodings are asked for, told by the ids or stated by file names."""
+    try:
+        truth = tally.labels.encoding(labels_asked, labels_named)
+        guess = tally.predictions.encoding(predictions_asked, predictions_named)
+        scores = summarize(tally.matrix(truth, guess), tally.images)
+    except ValueError as error:
+        raise FoggyError(f"{error} ({where})") from error
+    return {**scores, "encoding": {"labels": truth, "predictions": guess}}
 
 
 def _write_scores(path: Path, scores: dict[str, Any]) -> None:
