@@ -94,7 +94,9 @@ def _panels(
             band = (y > windows[0]) & (y < windows[1])
             rgb[side & band & (u > 0.07)] = glass
             rgb[end & (y > windows[0] - 0.25) & (y < windows[1]) & (np.abs(hit.x) < across - 0.15)] = glass
-            rgb[end & (y > windows[1] + 0.06) & (y < windows[1] + 0.3) & (np.abs(hit.x) < 0.7)] = colour(230, 150, 40)
+            if height > windows[1] + 0.5:  # room for a destination board: buses and trams, not trucks
+                board = end & (y > windows[1] + 0.06) & (y < windows[1] + 0.3) & (np.abs(hit.x) < 0.7)
+                rgb[board] = colour(230, 150, 40)
         else:
             rgb[side & ((hit.z / 2.2 - np.floor(hit.z / 2.2)) < 0.03)] *= np.float32(0.75)
             rgb[end & (np.abs(hit.x) < 0.03)] *= np.float32(0.5)
