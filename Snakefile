@@ -20,16 +20,24 @@ from foggy_synscapes.io.plain_yaml import read_yaml
 min_version("9.27")
 
 # The command `foggy` of the environment that runs this Snakemake.
-os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ["PATH"] = os.pathsep.join(
+    [str(Path(sys.executable).parent), os.environ["PATH"]]
+)
 
 
 def params_file():
     """The one params file; values on the command line would not reach the commands, so they are refused."""
-    files = [os.path.relpath(path) for path in workflow.config_settings.configfiles] or ["params.yaml"]
+    files = [
+        os.path.relpath(path) for path in workflow.config_settings.configfiles
+    ] or ["params.yaml"]
     if len(files) > 1:
-        raise FoggyError(f"--configfile: give one complete params file, got {' '.join(files)}")
+        raise FoggyError(
+            f"--configfile: give one complete params file, got {' '.join(files)}"
+        )
     if config and config != read_yaml(files[0]):
-        raise FoggyError("--config: write the values into a params file and give it by --configfile")
+        raise FoggyError(
+            "--config: write the values into a params file and give it by --configfile"
+        )
     return files[0]
 
 
@@ -40,7 +48,9 @@ except FoggyError as error:
     raise WorkflowError(str(error))
 
 # Commands read params.yaml unless told otherwise; so both engines run the same line on the same file.
-PARAMS_OPTION = "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
+PARAMS_OPTION = (
+    "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
+)
 SHARDS = PARAMS.scenes.shards
 ROWS = [*PARAMS.train.from_weights, *PARAMS.train.from_baseline]
 
@@ -53,7 +63,9 @@ def code(word):
 def section(name, *keys):
     """Values that a command reads, as text: a change there re-runs its jobs."""
     values = getattr(PARAMS, name).model_dump(mode="json", by_alias=True)
-    return json.dumps({key: values[key] for key in keys} if keys else values, sort_keys=True)
+    return json.dumps(
+        {key: values[key] for key in keys} if keys else values, sort_keys=True
+    )
 
 
 def one_of(names):
@@ -71,8 +83,14 @@ wildcard_constraints:
     test_set=one_of(PARAMS.evaluate.test_sets),
 
 
-TABLES = expand("results/tables/{test_set}.{ending}", test_set=PARAMS.evaluate.test_sets, ending=["csv", "tex", "md"])
-FIGURES = expand("results/figures/{figure}.png", figure=["beta_strip", "fc_against_fs", "curves"]) + expand(
+TABLES = expand(
+    "results/tables/{test_set}.{ending}",
+    test_set=PARAMS.evaluate.test_sets,
+    ending=["csv", "tex", "md"],
+)
+FIGURES = expand(
+    "results/figures/{figure}.png", figure=["beta_strip", "fc_against_fs", "curves"]
+) + expand(
     "results/figures/predictions_{test_set}.png", test_set=PARAMS.evaluate.test_sets
 )
 

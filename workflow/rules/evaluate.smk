@@ -22,14 +22,14 @@ rule evaluate:
         f"{EVALUATED}/metrics.json",
         f"{EVALUATED}/predictions.tar",
         f"{EVALUATED}/run.json",
-    params:
-        evaluate=section("evaluate", "threads"),
-        scenes=section("scenes", "roots", "zurich_list"),
-    threads: PARAMS.evaluate.threads
     log:
         "results/logs/evaluate/{test_set}_{network}_{row}_seed-{seed}.log",
     benchmark:
         "results/benchmarks/evaluate/{test_set}_{network}_{row}_seed-{seed}.tsv"
+    threads: PARAMS.evaluate.threads
+    params:
+        evaluate=section("evaluate", "threads"),
+        scenes=section("scenes", "roots", "zurich_list"),
     shell:
         "foggy evaluate --network {wildcards.network} --row {wildcards.row} --seed {wildcards.seed}"
         " --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

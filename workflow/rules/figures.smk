@@ -10,7 +10,9 @@ def figure_sources(figure):
             seed=PARAMS.train.seeds,
         )
     test_set = figure.removeprefix("predictions_")
-    scores = evaluations(test_set, "metrics.json") + evaluations(test_set, "predictions.tar")
+    scores = evaluations(test_set, "metrics.json") + evaluations(
+        test_set, "predictions.tar"
+    )
     return index_parts(test_set) + scores
 
 
@@ -23,15 +25,15 @@ rule figures:
         "results/figures/{figure}.png",
         "results/figures/{figure}.pdf",
         "results/figures/{figure}.run.json",
-    params:
-        figures=section("figures"),
-        fog=section("fog", "geometry"),
-        train=section("train", "networks", "seeds"),
-        tables=section("tables", "rows"),
-        scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
     log:
         "results/logs/figures/{figure}.log",
     benchmark:
         "results/benchmarks/figures/{figure}.tsv"
+    params:
+        figures=section("figures"),
+        fog=section("fog", "geometry"),
+        train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
+        tables=section("tables", "rows"),
+        scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

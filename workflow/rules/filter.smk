@@ -7,12 +7,12 @@ rule filter:
         "results/filter/frames.csv",
         "results/filter/kept.csv",
         "results/filter/run.json",
-    params:
-        filter=section("filter"),
-        scenes=section("scenes", "roots", "shards"),
     log:
         "results/logs/filter.log",
     benchmark:
         "results/benchmarks/filter.tsv"
+    params:
+        filter=section("filter"),
+        scenes=section("scenes", "roots", "shards"),
     shell:
         "foggy filter{PARAMS_OPTION} > {log:q} 2>&1"

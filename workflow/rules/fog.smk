@@ -7,13 +7,13 @@ rule fog_airlight:
     output:
         "results/fog/airlight/{shard}.csv",
         "results/fog/airlight/{shard}.run.json",
-    params:
-        fog=section("fog", "frames", "blue_airlight"),
-        scenes=section("scenes", "roots", "shard_frames"),
     log:
         "results/logs/fog/airlight_{shard}.log",
     benchmark:
         "results/benchmarks/fog/airlight_{shard}.tsv"
+    params:
+        fog=section("fog", "frames", "blue_airlight"),
+        scenes=section("scenes", "roots", "shard_frames"),
     shell:
         "foggy fog --airlight --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"
 
@@ -29,12 +29,12 @@ rule fog:
         "results/fog/beta_{beta}/{shard}.tar",
         "results/fog/beta_{beta}/{shard}.csv",
         "results/fog/beta_{beta}/{shard}.run.json",
-    params:
-        fog=section("fog", "frames", "geometry", "blue_airlight", "png_level"),
-        scenes=section("scenes", "roots", "shard_frames"),
     log:
         "results/logs/fog/beta_{beta}_{shard}.log",
     benchmark:
         "results/benchmarks/fog/beta_{beta}_{shard}.tsv"
+    params:
+        fog=section("fog", "frames", "geometry", "blue_airlight", "png_level"),
+        scenes=section("scenes", "roots", "shard_frames"),
     shell:
         "foggy fog --beta {wildcards.beta} --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"

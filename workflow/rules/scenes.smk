@@ -4,7 +4,13 @@ def index_parts(dataset):
     return [f"results/scenes/index/{dataset}/{part}.csv" for part in parts]
 
 
-for name in ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich"):
+for name in (
+    "synscapes",
+    "cityscapes",
+    "foggy_cityscapes",
+    "foggy_driving",
+    "foggy_zurich",
+):
 
     rule:
         """Render the stand-in of one dataset where its root says so, and list what the dataset holds."""
@@ -16,12 +22,12 @@ for name in ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "fo
             index_parts(name),
             f"results/scenes/index/{name}/run.json",
             f"results/scenes/{name}/README.txt",
-        params:
-            dataset=name,
-            scenes=section("scenes"),
         log:
             f"results/logs/scenes/{name}.log",
         benchmark:
             f"results/benchmarks/scenes/{name}.tsv"
+        params:
+            dataset=name,
+            scenes=section("scenes"),
         shell:
             "foggy scenes --dataset {params.dataset}{PARAMS_OPTION} > {log:q} 2>&1"

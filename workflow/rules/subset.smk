@@ -30,13 +30,13 @@ for row in ROWS:
             f"results/subset/{row}/train.csv",
             f"results/subset/{row}/validation.csv",
             f"results/subset/{row}/run.json",
-        params:
-            row=row,
-            subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
-            scenes=section("scenes", "roots", "shards", "refined_list", "shard_frames"),
         log:
             f"results/logs/subset/{row}.log",
         benchmark:
             f"results/benchmarks/subset/{row}.tsv"
+        params:
+            row=row,
+            subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
+            scenes=section("scenes", "roots", "shards", "refined_list", "shard_frames"),
         shell:
             "foggy subset --row {params.row}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -8,12 +8,12 @@ rule tables:
         "results/tables/{test_set}.tex",
         "results/tables/{test_set}.md",
         "results/tables/{test_set}.run.json",
-    params:
-        tables=section("tables"),
-        train=section("train", "networks", "seeds"),
     log:
         "results/logs/tables/{test_set}.log",
     benchmark:
         "results/benchmarks/tables/{test_set}.tsv"
+    params:
+        tables=section("tables"),
+        train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
     shell:
         "foggy tables --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -1,3 +1,17 @@
+def network_settings(network, row):
+    """What of a network's settings a training reads: its shape, and the policy of its kind."""
+    values = getattr(PARAMS.train, network).model_dump(mode="json", by_alias=True)
+    policy = (
+        ["fine_tuning"]
+        if row in PARAMS.train.from_baseline
+        else ["baseline", "weights"]
+    )
+    return json.dumps(
+        {key: values[key] for key in ["backbone", "width", "decoder", *policy]},
+        sort_keys=True,
+    )
+
+
 for network in PARAMS.train.networks:
     for row in ROWS:
 
@@ -6,7 +20,11 @@ for network in PARAMS.train.networks:
             name:
                 f"train_{network}_{row}"
             input:
-                lists=expand("results/subset/{row}/{part}.csv", row=row, part=["train", "validation"]),
+                lists=expand(
+                    "results/subset/{row}/{part}.csv",
+                    row=row,
+                    part=["train", "validation"],
+                ),
                 start=(
                     [f"results/train/{network}/C/seed-{{seed}}/model.safetensors"]
                     if row in PARAMS.train.from_baseline
@@ -20,21 +38,26 @@ for network in PARAMS.train.networks:
                     row=row,
                     file=["model.safetensors", "curves.csv", "run.json"],
                 ),
-            params:
-                network=network,
-                row=row,
-                train=section("train", "threads", "workers", "precision", network),
-                length=json.dumps(
-                    PARAMS.train.rows[row].model_dump(mode="json") if row in PARAMS.train.rows else None
-                ),
-                scenes=section("scenes", "roots"),
-            threads: PARAMS.train.threads
-            # Fine-tunings wait for row C, so it goes first.
-            priority: 100 if row == "C" else 0
             log:
                 f"results/logs/train/{network}_{row}_seed-{{seed}}.log",
             benchmark:
                 f"results/benchmarks/train/{network}_{row}_seed-{{seed}}.tsv"
+            # Fine-tunings wait for row C, so it goes first.
+            priority: 100 if row == "C" else 0
+            threads: PARAMS.train.threads
+            params:
+                network=network,
+                row=row,
+                train=section(
+                    "train", "threads", "device", "precision", "memory_format", "curve"
+                ),
+                network_settings=network_settings(network, row),
+                length=json.dumps(
+                    PARAMS.train.rows[row].model_dump(mode="json")
+                    if row in PARAMS.train.rows
+                    else None
+                ),
+                scenes=section("scenes", "roots"),
             shell:
                 "foggy train --network {params.network} --row {params.row} --seed {wildcards.seed}{PARAMS_OPTION}"
                 " > {log:q} 2>&1"

@@ -65,12 +65,14 @@ def tables(params: Params, test_set: str) -> None:
     """
     labels = [RowLabel(r.row, r.training, r.fine_tuning, r.images, r.here) for r in params.tables.rows]
     networks, seeds = list(params.train.networks), list(params.train.seeds)
+    # Metrics of a row that these params do not train may lie there from others: they are not of this experiment.
+    trained = [*params.train.from_weights, *params.train.from_baseline]
     runs: dict[tuple[str, str], list[dict[str, Any] | None]] = {}
     documents, inputs = [], []
     for network in networks:
         for label in labels:
             paths = [Path(METRICS.format(test_set=test_set, network=network, row=label.row, seed=s)) for s in seeds]
-            runs[network, label.row] = [_read(path) for path in paths]
+            runs[network, label.row] = [_read(path) if label.row in trained else None for path in paths]
             for path, document in zip(paths, runs[network, label.row], strict=True):
                 if document is not None:
                     inputs.append(path)
@@ -85,7 +87,7 @@ def tables(params: Params, test_set: str) -> None:
     write_run(
         FOLDER / f"{test_set}.run.json",
         command=["foggy", "tables", "--test-set", test_set],
-        params={"tables": params.tables.model_dump(), "train": {"networks": networks, "seeds": seeds}},
+        params={"tables": params.tables.model_dump(), "train": {"networks": networks, "seeds": seeds, "rows": trained}},
         inputs=inputs,
         outputs=outputs,
     )
