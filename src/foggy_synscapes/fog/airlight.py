@@ -21,8 +21,8 @@ BLUE_EXCESS = 0.1
 """Airlight is blue where blue exceeds red by more than this share of the brightest channel.
 
 Overcast skies have a correlated colour temperature of 6,000 to 7,500 K and clear blue skies of more than 10,000 K
-(Wyszecki and Stiles, Color Science, 1982). Blackbodies in sRGB have an excess of 0.04 at 7,000 K,
-0.11 at 8,000 K and 0.20 at 10,000 K (Planck, CIE 1931 observer). The real samples, with clouds, have -0.01: (251, 255, 249).
+(Wyszecki and Stiles, Color Science, 1982). Blackbodies in sRGB have an excess of 0.04 at 7,000 K, 0.11 at 8,000 K and
+0.20 at 10,000 K (Planck, CIE 1931 observer). The real samples, with clouds, have -0.01: (251, 255, 249).
 """
 
 

@@ -145,6 +145,15 @@ def png_header(data: bytes, name: str) -> PngHeader:
     return PngHeader(width, height, bits, kind)
 
 
+def is_whole_png(path: Path | str) -> bool:
+    """Whether a file is a PNG with all its chunks undamaged; the pixels are not decoded."""
+    try:
+        _checked_header(*_bytes(path, None))
+    except FoggyError:
+        return False
+    return True
+
+
 def _bytes(source: Path | str | bytes, name: str | None) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         return source, name or "image"

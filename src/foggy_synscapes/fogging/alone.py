@@ -1,0 +1,153 @@
+"""Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
+
+import signal
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.airlight import Airlight
+from foggy_synscapes.fogging import render
+from foggy_synscapes.fogging.frames import Frame
+from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.images import encode_png, is_whole_png, read_rgb
+
+Light = tuple[int, int, int, int, int]
+"""Row of the airlight table without its id: red, green, blue, row, column."""
+
+AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort."""
+
+    out: Path
+    betas: list[str]
+    geometry: str
+    transmittance: bool
+    level: int
+    treatment: str
+
+    def paths(self, frame: Frame) -> tuple[list[Path], list[Path]]:
+        """Foggy images and transmittance maps of a frame, one per beta."""
+        foggy = [self.out / f"beta_{beta}" / "foggy_img" / frame.name(beta) for beta in self.betas]
+        maps = [self.out / f"beta_{beta}" / "transmittance" / frame.name(beta) for beta in self.betas]
+        return foggy, maps if self.transmittance else []
+
+
+@dataclass
+class Done:
+    """What became of one frame: its airlight row, files and bytes written, files that were there, doubts, error."""
+
+    id: str
+    light: Light = (0, 0, 0, 0, 0)
+    blue: bool = False
+    made: int = 0
+    kept: int = 0
+    bytes: int = 0
+    doubts: list[str] = field(default_factory=list)
+    error: str = ""
+
+    def add(self, other: "Done") -> None:
+        """Count another frame's files in, and take over its doubts."""
+        self.made, self.kept, self.bytes = self.made + other.made, self.kept + other.kept, self.bytes + other.bytes
+        self.doubts += other.doubts
+
+
+def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Light]) -> Iterator[Done]:
+    """Fog frame by frame, results in the order of `frames`.
+
+    known : airlight by frame id, of frames whose image did not change since
+
+    Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
+    """
+    tasks = ((frame, job, known.get(frame.id)) for frame in frames)
+    if processes == 1:
+        yield from (fog_frame(*task) for task in tasks)
+        return
+    pool = ProcessPoolExecutor(processes, initializer=_ignore_interrupts)
+    waiting: deque = deque()
+    try:
+        for task in tasks:
+            waiting.append(pool.submit(fog_frame, *task))
+            if len(waiting) > AHEAD * processes:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+    except BrokenProcessPool as error:
+        raise FoggyError(
+            "a process was killed, perhaps for lack of memory. Use fewer --jobs and run the same command to go on."
+        ) from error
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
+    """Make what is missing of one frame."""
+    done = Done(frame.id)
+    try:
+        foggy, maps = job.paths(frame)
+        newest = max(path.stat().st_mtime_ns for path in _inputs(frame))
+        wanted = {path for path in (*foggy, *maps) if not _is_right(path, newest)}
+        done.kept = len(foggy) + len(maps) - len(wanted)
+        if wanted:
+            _make(frame, job, wanted, done)
+        else:
+            done.light = known or _light(render.airlight_of(read_rgb(frame.rgb), job.treatment)[0])
+    except FoggyError as error:
+        done.error = str(error)
+    return done
+
+
+def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
+    clear = render.read_clear(frame.rgb, frame.depth, str(frame.rgb), str(frame.depth))
+    camera, camera_name = synscapes.read_camera(frame.camera), str(frame.camera)
+    light, done.blue = render.airlight_of(clear.image, job.treatment)
+    done.light = _light(light)
+    done.doubts = clear.doubts(light)
+    if done.blue and job.treatment == render.DROP:
+        return
+    foggy, maps = job.paths(frame)
+    lines = render.rays_of(clear, camera, camera_name, job.geometry)
+    with ThreadPoolExecutor(1) as writer:  # the disk writes one image while the next is encoded
+        pending = []
+        kinds = (foggy, partial(render.foggy, clear, lines, light)), (maps, partial(render.transmittance, clear, lines))
+        for paths, images in kinds:
+            missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
+            if not missing:
+                continue
+            for path, pixels in zip(missing, images(list(missing.values())), strict=True):
+                data = encode_png(pixels, job.level)
+                pending.append(writer.submit(write_bytes, path, data))
+                done.made += 1
+                done.bytes += len(data)
+        for written in pending:
+            written.result()
+
+
+def _light(light: Airlight) -> Light:
+    return (*light.levels, light.row, light.column)
+
+
+def _inputs(frame: Frame) -> tuple[Path, ...]:
+    inputs = (frame.rgb, frame.depth, frame.camera)
+    for path in inputs:
+        if not path.is_file():
+            raise FoggyError(f"{path}: missing (frame {frame.id})")
+    return inputs
+
+
+def _is_right(path: Path, newest: int) -> bool:
+    """Whether an image was finished by an earlier run, after its inputs were last changed."""
+    return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
+
+
+def _ignore_interrupts() -> None:
+    # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

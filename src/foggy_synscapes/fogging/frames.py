@@ -1,0 +1,99 @@
+"""Which frames a command fogs, and where their files are."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.errors import FoggyError, UsageError
+
+IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame's files: its id as written in tables and file names, and where image, depth and camera are read."""
+
+    id: str
+    rgb: Path
+    depth: Path
+    camera: Path
+
+    def name(self, beta: str) -> str:
+        """File name of an image of this frame: numbers get five digits, as the published script writes them."""
+        return synscapes.foggy_name(int(self.id), beta) if self.id.isdecimal() else f"{self.id}_beta_{beta}.png"
+
+
+def of_synscapes(root: Path, ids: str | None, camera: Path | None) -> list[Frame]:
+    """Frames of a folder in the layout of Synscapes, by number; all that have an image where `ids` is None.
+
+    Raises
+    ------
+    UsageError
+        If the folder is not there or `ids` cannot be understood.
+    FoggyError
+        If there is no frame at all.
+    """
+    folder = root / "img" / "rgb"
+    if not folder.is_dir():
+        raise UsageError(f"{folder}: no such folder; --synscapes names the folder that holds img/ and meta/")
+    numbers = (
+        parse_ids(ids) if ids else sorted(int(path.stem) for path in folder.glob("*.png") if path.stem.isdecimal())
+    )
+    if not numbers:
+        raise FoggyError(f"{folder}: holds no image N.png")
+    return [
+        Frame(str(n), root / synscapes.rgb(n), root / synscapes.depth(n), camera or root / synscapes.meta(n))
+        for n in numbers
+    ]
+
+
+def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path) -> list[Frame]:
+    """Frames of plain folders: images in one, depth of the same names (but .exr) in the other, one camera for all.
+
+    Raises
+    ------
+    UsageError
+        If a folder is not there.
+    FoggyError
+        If there is no image, or two images would give files of the same name.
+    """
+    for folder in (rgb, depth):
+        if not folder.is_dir():
+            raise UsageError(f"{folder}: no such folder")
+    wanted = None if ids is None else set(parse_ids(ids))
+    frames: dict[str, Frame] = {}
+    for path in sorted(path for path in rgb.iterdir() if path.suffix.lower() in IMAGES):
+        if wanted is not None and not (path.stem.isdecimal() and int(path.stem) in wanted):
+            continue
+        frame = Frame(path.stem, path, depth / f"{path.stem}.exr", camera)
+        other = frames.setdefault(frame.name(""), frame)
+        if other is not frame:
+            raise FoggyError(f"{path}: would give the same file names as {other.rgb}. Rename one of them.")
+    if not frames:
+        raise FoggyError(f"{rgb}: holds no image ({', '.join(IMAGES)}){' with these --ids' if ids else ''}")
+    return sorted(frames.values(), key=lambda frame: order(frame.id))
+
+
+def order(frame: str) -> tuple[int, int, str]:
+    """Sorting key of ids: numbers by value, then names."""
+    return (0, int(frame), frame) if frame.isdecimal() else (1, 0, frame)
+
+
+def parse_ids(text: str) -> list[int]:
+    """Numbers named by a list of numbers and ranges, sorted, each once.
+
+    >>> parse_ids("7,1-3,2")
+    [1, 2, 3, 7]
+
+    Raises UsageError for anything else.
+    """
+    numbers: set[int] = set()
+    for part in text.split(","):
+        first, dash, last = (piece.strip() for piece in part.partition("-"))
+        if not (first.isdecimal() and (last.isdecimal() if dash else True)):
+            raise UsageError(f"--ids {text}: {part.strip()!r} is no number or range, expected e.g. 1-500 or 1,5,9-12")
+        start, end = int(first), int(last if dash else first)
+        if not start <= end < 10**7:
+            raise UsageError(f"--ids {text}: the range {part.strip()} is empty or too long")
+        numbers.update(range(start, end + 1))
+    return sorted(numbers)

@@ -1,0 +1,145 @@
+"""Fog as jobs of the pipeline: the airlight table of a shard, and the shard of foggy images at one beta."""
+
+import json
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from foggy_synscapes import closure
+from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.datasets.index import expect, index_path, read_index
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.airlight import Airlight
+from foggy_synscapes.fogging import render
+from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.hashing import read_checked, sha256
+from foggy_synscapes.io.images import encode_png, is_whole_png, read_rgb
+from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.shards import write_manifest, write_shard
+from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.params import Params, root
+from foggy_synscapes.progress import progress
+
+FOLDER = Path("results/fog")
+KEPT = Path("results/filter/kept.csv")
+COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
+AIRLIGHT_PARAMS = ("frames", "blue_airlight")
+FOG_PARAMS = ("frames", "geometry", "blue_airlight", "png_level")
+
+
+def airlight(params: Params, shard: str) -> None:
+    """Write the table of the atmospheric light of a shard's frames, as it is to be used.
+
+    `blue_sky` is 1 where the image's own light is blue, and `treatment` then says what is done about it.
+
+    Raises FoggyError if an image is missing, damaged or not as indexed.
+    """
+    treatment, rows = params.fog.blue_airlight, []
+    index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
+    for frame in progress(_frames(params, shard), f"fog airlight {shard}", unit="frame"):
+        path = synscapes.rgb(frame)
+        image = read_rgb(_read(folder, path, index), str(folder / path))
+        light, blue = render.airlight_of(image, treatment)
+        rows.append((frame, *light.levels, light.row, light.column, int(blue), treatment if blue else ""))
+    table = FOLDER / "airlight" / f"{shard}.csv"
+    write_csv(table, COLUMNS, rows)
+    write_run(
+        table.with_suffix(".run.json"),
+        command=["foggy", "fog", "--airlight", "--shard", shard],
+        params=_params(params, AIRLIGHT_PARAMS),
+        inputs=[index_path(f"synscapes/{shard}"), KEPT],
+        outputs=[table],
+    )
+    blue = sum(row[6] for row in rows)
+    print(f"fog: atmospheric light of {len(rows)} frames of shard {shard}; {blue} blue, fog.blue_airlight {treatment}")
+
+
+def fog(params: Params, beta: str, shard: str) -> None:
+    """Write the shard of foggy images at one beta, and its manifest.
+
+    Frames that an interrupted run of the same job finished are kept.
+
+    Raises FoggyError if a frame is missing, damaged, not as indexed, or cannot be fogged.
+    """
+    tar = FOLDER / f"beta_{beta}" / f"{shard}.tar"
+    table, manifest = FOLDER / "airlight" / f"{shard}.csv", tar.with_suffix(".csv")
+    inputs = [index_path(f"synscapes/{shard}"), KEPT, table]
+    finished = _finished(tar, {"inputs": [sha256(path) for path in inputs], "params": _params(params, FOG_PARAMS)})
+    dropped: list[int] = []
+    members = _members(params, beta, shard, table, finished, dropped)
+    write_manifest(manifest, write_shard(tar, members))
+    write_run(
+        tar.with_suffix(".run.json"),
+        command=["foggy", "fog", "--beta", beta, "--shard", shard],
+        params=_params(params, FOG_PARAMS),
+        inputs=inputs,
+        outputs=[tar, manifest],
+    )
+    shutil.rmtree(finished)
+    left_out = f"; {len(dropped)} left out for their blue atmospheric light" if dropped else ""
+    print(f"fog: shard {shard} at beta {beta} / m{left_out}")
+
+
+def _members(
+    params: Params, beta: str, shard: str, table: Path, finished: Path, dropped: list[int]
+) -> Iterator[tuple[str, bytes]]:
+    """File names and PNGs of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
+    index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
+    lights = {int(row["id"]): row for row in read_csv(table, COLUMNS)}
+    for frame, camera in progress(_frames(params, shard).items(), f"fog {beta} {shard}", unit="frame"):
+        if frame not in lights:
+            raise FoggyError(f"{table}: no frame {frame}. Make the table again: foggy fog --airlight --shard {shard}")
+        if lights[frame]["treatment"] == render.DROP:
+            dropped.append(frame)
+            continue
+        name = synscapes.foggy_name(frame, beta)
+        if not is_whole_png(finished / name):
+            light = Airlight(*(int(lights[frame][column]) for column in ("red", "green", "blue", "row", "column")))
+            clear = _clear(folder, frame, index)
+            lines = render.rays_of(clear, camera, f"{KEPT}, frame {frame}", params.fog.geometry)
+            write_bytes(finished / name, encode_png(render.foggy(clear, lines, light, [beta])[0], params.fog.png_level))
+            for doubt in clear.doubts(light):
+                print(f"warning: {doubt}", file=sys.stderr)
+        yield name, (finished / name).read_bytes()
+
+
+def _frames(params: Params, shard: str) -> dict[int, Camera]:
+    """Cameras of the frames of a shard that fog.frames asks for: the first and the last kept ones."""
+    rows, ends = read_csv(KEPT, ("id", "fx", "fy", "u0", "v0", "resx", "resy")), params.fog.frames
+    if ends.first + ends.last > len(rows):
+        raise FoggyError(
+            f"fog.frames: asks for the first {ends.first} and the last {ends.last} kept frames, "
+            f"but the filter kept {len(rows)}. Ask for fewer, loosen filter.rules, or add frames."
+        )
+    asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
+    here = synscapes.shard_frames(shard, params.scenes.shard_frames)
+    return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
+
+
+def _clear(folder: Path, frame: int, index: dict[str, str]) -> render.Clear:
+    paths = synscapes.rgb(frame), synscapes.depth(frame)
+    return render.read_clear(*(_read(folder, path, index) for path in paths), *(str(folder / path) for path in paths))
+
+
+def _read(folder: Path, path: str, index: dict[str, str]) -> bytes:
+    expect(index, [path], "synscapes")
+    return read_checked(folder / path, index[path])
+
+
+def _params(params: Params, keys: tuple[str, ...]) -> dict:
+    fog = params.fog.model_dump()
+    return {"fog": {key: fog[key] for key in keys}, "scenes": {"shard_frames": params.scenes.shard_frames}}
+
+
+def _finished(tar: Path, job: dict) -> Path:
+    """Folder of the images that an interrupted run of this very job finished; emptied where any input has changed."""
+    folder = tar.parent / f".{tar.stem}"
+    note = folder / "job.json"
+    text = json.dumps({**job, "code": [sha256(closure.FOLDER / name) for name in closure.sources("fog")]}, indent=1)
+    if not note.is_file() or note.read_text(encoding="utf-8") != text:
+        if folder.is_dir():
+            shutil.rmtree(folder)
+        write_text(note, text)
+    return folder

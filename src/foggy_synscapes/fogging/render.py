@@ -1,0 +1,101 @@
+"""One frame from its files: read, fog at several betas, encode."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from foggy_synscapes.camera import Camera
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.airlight import Airlight, estimate
+from foggy_synscapes.fog.geometry import Rays, rays
+from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, transmittance_images
+from foggy_synscapes.io.images import read_depth, read_rgb
+
+KEEP, DROP, GREY = "keep", "drop", "grey"
+"""What to do where the airlight is blue (paper, section III, failure case)."""
+
+
+@dataclass(frozen=True)
+class Clear:
+    """A frame as read: image uint8 (H, W, 3), planar depth float32 (H, W) in metres, and what errors call them."""
+
+    image: np.ndarray
+    depth: np.ndarray
+    rgb_name: str
+    depth_name: str
+    at_zero: int  # pixels at distance 0
+
+    def doubts(self, light: Airlight) -> list[str]:
+        """What may be wrong with this frame, though fog on it is defined."""
+        found = []
+        if self.at_zero:
+            found.append(f"{self.depth_name}: {self.at_zero} pixels at distance 0, which usually means missing depth")
+        if light.levels == (0, 0, 0):
+            found.append(f"{self.rgb_name}: its atmospheric light is black, so its fog is black")
+        return found
+
+
+def read_clear(rgb: Path | bytes, depth: Path | bytes, rgb_name: str, depth_name: str) -> Clear:
+    """Decode a frame and make sure that image and depth belong together.
+
+    Raises
+    ------
+    FoggyError
+        If a file is damaged or of another kind, sizes differ, or a depth is negative or not a number.
+    """
+    image, metres = read_rgb(rgb, rgb_name), read_depth(depth, depth_name)
+    if image.shape[:2] != metres.shape:
+        raise FoggyError(
+            f"{depth_name}: {_size(metres)} pixels, but {rgb_name} has {_size(image)}. "
+            "Are they of the same frame and resolution?"
+        )
+    try:
+        return Clear(image, metres, rgb_name, depth_name, count_zero_depth(metres))
+    except ValueError as error:
+        raise FoggyError(f"{depth_name}: {error}. Fetch the file again, or mend it at its source.") from error
+
+
+def airlight_of(image: np.ndarray, treatment: str) -> tuple[Airlight, bool]:
+    """Atmospheric light to use, and whether the image's own is blue; `treatment` grey takes its colour away then."""
+    light = estimate(image)
+    blue = light.is_blue()
+    return (light.grey() if blue and treatment == GREY else light), blue
+
+
+def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Rays:
+    """Rays of a frame's camera; FoggyError if the camera is of another size than the frame."""
+    if clear.depth.shape != (camera.resy, camera.resx):
+        raise FoggyError(
+            f"{camera_name}: its camera has {camera.resx} x {camera.resy} pixels, but {clear.depth_name} has "
+            f"{_size(clear.depth)}. Give the camera of these images."
+        )
+    return _rays(camera, geometry)
+
+
+def foggy(clear: Clear, lines: Rays, light: Airlight, betas: list[str]) -> np.ndarray:
+    """Foggy images, uint8 (B, H, W, 3), at betas in 1/m; overwritten by the next call with as many betas."""
+    out = _buffer(len(betas), *clear.image.shape)
+    return foggy_images(clear.image, clear.depth, lines, light.levels, [float(beta) for beta in betas], out)
+
+
+def transmittance(clear: Clear, lines: Rays, betas: list[str]) -> np.ndarray:
+    """Transmittance in 8 bits, uint8 (B, H, W), at betas in 1/m; overwritten as by `foggy`."""
+    out = _buffer(len(betas), *clear.depth.shape)
+    return transmittance_images(clear.depth, lines, [float(beta) for beta in betas], out)
+
+
+@lru_cache(maxsize=8)
+def _rays(camera: Camera, geometry: str) -> Rays:
+    return rays(camera, geometry)
+
+
+@lru_cache(maxsize=2)
+def _buffer(*shape: int) -> np.ndarray:
+    # Frames of a run have one size: fresh memory for each would cost as much time as the fog itself.
+    return np.empty(shape, np.uint8)
+
+
+def _size(values: np.ndarray) -> str:
+    return f"{values.shape[1]} x {values.shape[0]}"

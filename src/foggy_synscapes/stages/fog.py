@@ -1,0 +1,196 @@
+"""fog: the atmospheric light of frames, and foggy images at one or several densities."""
+
+import argparse
+import json
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+from foggy_synscapes import __version__
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.fogging import alone, pipeline
+from foggy_synscapes.fogging.frames import Frame, of_folders, of_synscapes, order
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.params import beta_name, load
+from foggy_synscapes.progress import progress
+
+HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
+COLUMNS = ("id", "red", "green", "blue", "row", "column")
+SHOWN = 10  # errors and doubts printed in full
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this step."""
+    frames = parser.add_argument_group("frames", "foggy images of any frames; no params file is needed")
+    frames.add_argument("--synscapes", type=Path, metavar="ROOT", help="folder with img/rgb, img/depth and meta")
+    frames.add_argument("--rgb", type=Path, metavar="DIR", help="or: folder of 8-bit RGB images")
+    frames.add_argument(
+        "--depth", type=Path, metavar="DIR", help="and of their depth: NAME.exr, channel Z, planar metres"
+    )
+    frames.add_argument(
+        "--beta", action="append", metavar="B", help="attenuation coefficient in 1/m, e.g. 0.005; several: --beta again"
+    )
+    frames.add_argument(
+        "--out", type=Path, metavar="DIR", help="where to write beta_B/foggy_img/*.png and airlight.csv"
+    )
+    frames.add_argument("--ids", metavar="LIST", help="frame numbers, e.g. 1-500 or 1,5,9-12 (default: all)")
+    frames.add_argument("--camera", type=Path, metavar="FILE", help="one camera (JSON, pixels) for all frames")
+    frames.add_argument(
+        "--geometry",
+        choices=("paper", "exact"),
+        default="paper",
+        help="distance along the ray as the published code has it, or from fx, fy and pixel centres (default: paper)",
+    )
+    frames.add_argument("--transmittance", action="store_true", help="write 8-bit transmittance maps as well")
+    frames.add_argument(
+        "--blue-airlight",
+        choices=("keep", "drop", "grey"),
+        default="keep",
+        help="where the atmospheric light is that of a blue sky: keep it, leave the frame out, or make it grey",
+    )
+    frames.add_argument("--png-level", type=int, choices=range(4), default=1, help="deflate effort (default: 1)")
+    frames.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: 1)")
+    frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
+    job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it; with one --beta or --airlight")
+    job.add_argument("--shard", metavar="NAME", help="shard of Synscapes, e.g. 0000")
+    job.add_argument("--airlight", action="store_true", help="estimate the atmospheric light only")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the step from the command line."""
+    if args.shard is not None or args.airlight:
+        _run_job(args)
+        return
+    betas = _betas(args.beta or [])
+    if args.out is None or not betas:
+        raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
+    if args.jobs < 1:
+        raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+    if args.synscapes is not None and args.rgb is None and args.depth is None:
+        frames = of_synscapes(args.synscapes, args.ids, args.camera)
+    elif args.synscapes is None and args.rgb and args.depth and args.camera:
+        frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
+    else:
+        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE")
+    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight
+    fog(frames, alone.Job(args.out, betas, *options), jobs=args.jobs, keep_going=args.keep_going)
+
+
+def fog(frames: list[Frame], job: alone.Job, jobs: int = 1, keep_going: bool = False) -> None:
+    """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
+
+    Images that an earlier run finished with the same settings are kept, if their inputs did not change since.
+
+    Raises
+    ------
+    FoggyError
+        Naming the broken frames; with `keep_going` after all others are finished.
+    """
+    _check_settings(job)
+    table = job.out / "airlight.csv"
+    rows = _read_airlight(table)
+    known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
+    started, total = time.perf_counter(), alone.Done("")
+    finished, broken, blue = 0, [], []
+    with closing(alone.fog_frames(frames, job, jobs, known)) as results:
+        for done in progress(results, "fog", total=len(frames), unit="frame"):
+            if done.error:
+                rows.pop(done.id, None)
+                broken.append(done.error)
+                if keep_going:
+                    continue
+                break
+            rows[done.id] = done.light
+            finished += 1
+            blue += [done.id] if done.blue else []
+            total.add(done)
+    write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted(rows, key=order)])
+    for doubt in _shortened(total.doubts):
+        print(f"warning: {doubt}", file=sys.stderr)
+    if blue:
+        answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
+        print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
+    seconds = time.perf_counter() - started
+    print(
+        f"fog: {finished} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
+        f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
+    )
+    if broken:
+        rest = "" if keep_going else "; mend it and run the command again, or add --keep-going to finish the others"
+        raise FoggyError("\n".join(broken) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
+
+
+def _run_job(args: argparse.Namespace) -> None:
+    alone_only = [name for name in ("synscapes", "rgb", "depth", "out", "ids", "camera") if getattr(args, name)]
+    if alone_only:
+        raise UsageError(f"--{alone_only[0]} is not for jobs of the pipeline (--shard, --airlight)")
+    betas = args.beta or []
+    if args.shard is None or bool(betas) == args.airlight or len(betas) > 1:
+        raise UsageError("a job of the pipeline has --shard and either --airlight or one --beta")
+    params = load(args.params)
+    if args.shard not in params.scenes.shards:
+        raise UsageError(f"--shard {args.shard}: not in scenes.shards, which has {', '.join(params.scenes.shards)}")
+    if args.airlight:
+        pipeline.airlight(params, args.shard)
+    elif betas[0] in params.fog.betas:
+        pipeline.fog(params, betas[0], args.shard)
+    else:
+        raise UsageError(f"--beta {betas[0]}: not in fog.betas, which has {', '.join(params.fog.betas)}")
+
+
+def _betas(texts: list[str]) -> list[str]:
+    """Betas as folders spell them; 0 is the clear image."""
+    betas: dict[str, str] = {}
+    for text in texts:
+        try:
+            name = "0" if float(text) == 0 else beta_name(text)
+        except ValueError as error:
+            reason = str(error) if "beta" in str(error) else f"beta {text!r} is not a number of 1/m, e.g. 0.005"
+            raise UsageError(f"--beta: {reason}") from None
+        if name in betas:
+            raise UsageError(f"--beta {betas[name]} and --beta {text} name the same folder beta_{name}: give it once")
+        betas[name] = text
+    return list(betas)
+
+
+def _check_settings(job: alone.Job) -> None:
+    """Keep one folder from holding images of different settings."""
+    settings = {
+        "geometry": job.geometry,
+        "blue_airlight": job.treatment,
+        "png_level": job.level,
+        "foggy_synscapes": __version__,
+    }
+    path = job.out / "settings.json"
+    if not path.is_file():
+        write_text(path, json.dumps(settings, indent=1) + "\n")
+        return
+    try:
+        before = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
+    if before != settings:
+        raise FoggyError(
+            f"{path}: the folder was made with {before}, now asked for {settings}. "
+            "Choose another --out, or delete the folder."
+        )
+
+
+def _read_airlight(table: Path) -> dict[str, alone.Light]:
+    if not table.is_file():
+        return {}
+    rows = read_csv(table, COLUMNS)
+    try:
+        return {row["id"]: tuple(int(row[column]) for column in COLUMNS[1:]) for row in rows}
+    except ValueError as error:
+        raise FoggyError(f"{table}: {error}. Delete it; it is made again.") from error
+
+
+def _older(path: Path, table: Path) -> bool:
+    return path.is_file() and path.stat().st_mtime_ns <= table.stat().st_mtime_ns
+
+
+def _shortened(lines: list[str]) -> list[str]:
+    return lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more"]
