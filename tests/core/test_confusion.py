@@ -47,7 +47,7 @@ def test_counts_are_those_of_a_plain_loop(pair):
 def test_chunk_size_does_not_matter(pair, chunk):
     whole = joint_histogram(*pair)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(confusion, "CHUNK", chunk)
+        patch.setattr(confusion, "CHUNK", 8 * chunk)
         assert np.array_equal(joint_histogram(*pair), whole)
 
 

@@ -1,6 +1,7 @@
 """Any folder of predictions beside any folder of label maps: which PNG files there are and which belong together."""
 
 import os
+from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,13 +73,11 @@ def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], j
     FoggyError
         If a file is damaged or no 8-bit grey PNG, or a prediction differs in size from its label map.
     """
-    tally = Tally()
     batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
     jobs = min(jobs, len(batches))
     if jobs == 1:
-        for pair in progress(pairs, "evaluate"):
-            tally.merge(_count(labels, predictions, [pair]))
-        return tally
+        return _count(labels, predictions, progress(pairs, "evaluate"))
+    tally = Tally()
     with ProcessPoolExecutor(jobs) as pool:
         parts = pool.map(_count, [labels] * len(batches), [predictions] * len(batches), batches)
         try:
@@ -90,7 +89,7 @@ def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], j
     return tally
 
 
-def _count(labels: Path, predictions: Path, pairs: list[tuple[str, str]]) -> Tally:
+def _count(labels: Path, predictions: Path, pairs: Iterable[tuple[str, str]]) -> Tally:
     tally = Tally()
     for label, prediction in pairs:
         truth, guess = read_ids(labels / label), read_ids(predictions / prediction)

@@ -8,10 +8,56 @@ still be found from the sum (see `encoding`) before it is folded to classes (`fo
 import numpy as np
 
 IDS = 256
-CHUNK = 1 << 19  # pixels: bounds the memory of the intermediate arrays
 WORD = 8  # flags in a 64-bit word
+CHUNK = 1 << 19  # pixels, whole words: bounds the memory of the buffers
 VOID = -1  # in a table of `fold`: the id is valid and belongs to no class
 UNKNOWN = -2  # in a table of `fold`: the id does not exist in the encoding
+
+
+class JointHistogram:
+    """Counts how often each pair of ids occurs at a pixel of two maps; keeps its buffers from one pair to the next.
+
+    On maps of 2 million pixels, fresh buffers would cost as much time as the counting itself.
+    """
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(IDS * IDS, np.int64)
+        self._ends = np.zeros(CHUNK, bool)
+        self._other = np.empty(CHUNK, bool)
+
+    def __call__(self, labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
+        """Count one pair of maps; as `joint_histogram`, but the array is overwritten by the next call."""
+        for name, array in (("labels", labels), ("predictions", predictions)):
+            if array.dtype != np.uint8:
+                raise ValueError(f"{name}: {array.dtype} values, expected ids in uint8")
+        if labels.shape != predictions.shape:
+            raise ValueError(f"predictions: shape {predictions.shape}, but the labels have {labels.shape}")
+        flat_labels, flat_predictions = labels.reshape(-1), predictions.reshape(-1)
+        self._counts.fill(0)
+        for start in range(0, flat_labels.size, CHUNK):
+            self._count(flat_labels[start : start + CHUNK], flat_predictions[start : start + CHUNK])
+        return self._counts.reshape(IDS, IDS)
+
+    def _count(self, labels: np.ndarray, predictions: np.ndarray) -> None:
+        # Maps of things consist of long runs of one pair: finding where runs end is much cheaper than looking at each
+        # pixel. `ends` marks the last pixel of each run; few of its words of eight flags have any.
+        between = labels.size - 1
+        ends = self._ends[: -(-labels.size // WORD) * WORD]
+        other = self._other[:between]
+        np.not_equal(labels[1:], labels[:-1], out=ends[:between])
+        np.not_equal(predictions[1:], predictions[:-1], out=other)
+        ends[:between] |= other
+        ends[between] = True
+        ends[labels.size :] = False
+        words = ends.view(np.uint64)
+        busy = np.flatnonzero(words != 0)
+        if busy.size * 4 > words.size:
+            # A noisy map, in which runs are short, is counted pixel by pixel.
+            self._counts += np.bincount(_pairs(labels, predictions), minlength=self._counts.size)
+            return
+        flags = np.flatnonzero(words[busy].view(bool))
+        last = busy[flags // WORD] * WORD + flags % WORD
+        np.add.at(self._counts, _pairs(labels[last], predictions[last]), np.diff(last, prepend=-1))
 
 
 def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
@@ -20,7 +66,7 @@ def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     labels, predictions : uint8, of one shape
-        Ids in any encoding, at most one map each.
+        Ids in any encoding.
 
     Returns
     -------
@@ -38,32 +84,7 @@ def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
     >>> int(counts[7, 7]), int(counts[7, 8]), int(counts[8, 8]), int(counts.sum())
     (1, 1, 1, 3)
     """
-    for name, array in (("labels", labels), ("predictions", predictions)):
-        if array.dtype != np.uint8:
-            raise ValueError(f"{name}: {array.dtype} values, expected ids in uint8")
-    if labels.shape != predictions.shape:
-        raise ValueError(f"predictions: shape {predictions.shape}, but the labels have {labels.shape}")
-    flat_labels, flat_predictions = labels.reshape(-1), predictions.reshape(-1)
-    counts = np.zeros(IDS * IDS, np.int64)
-    for start in range(0, flat_labels.size, CHUNK):
-        _count(flat_labels[start : start + CHUNK], flat_predictions[start : start + CHUNK], counts)
-    return counts.reshape(IDS, IDS)
-
-
-def _count(labels: np.ndarray, predictions: np.ndarray, counts: np.ndarray) -> None:
-    # Maps of things consist of long runs of one pair: finding where runs end is much cheaper than looking at each
-    # pixel. Noisy maps, in which runs are short, are counted pixel by pixel.
-    size = labels.size
-    ends = np.zeros(-(-size // WORD) * WORD, bool)
-    ends[size - 1] = True
-    between = ends[: size - 1]
-    np.not_equal(labels[1:], labels[:-1], out=between)
-    between |= predictions[1:] != predictions[:-1]
-    if np.count_nonzero(ends) * 8 > size:
-        counts += np.bincount(_pairs(labels, predictions), minlength=counts.size)
-        return
-    last = _true_places(ends)
-    np.add.at(counts, _pairs(labels[last], predictions[last]), np.diff(last, prepend=-1))
+    return JointHistogram()(labels, predictions)
 
 
 def _pairs(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
@@ -71,14 +92,6 @@ def _pairs(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
     pairs *= IDS
     pairs += predictions
     return pairs
-
-
-def _true_places(flags: np.ndarray) -> np.ndarray:
-    # As np.flatnonzero, three times as fast where few are true: words of eight flags are looked through first.
-    words = flags.view(np.uint64)
-    busy = np.flatnonzero(words != 0)
-    places = np.flatnonzero(words[busy].view(bool))
-    return busy[places // WORD] * WORD + places % WORD
 
 
 def fold(counts: np.ndarray, label_classes: np.ndarray, predicted_classes: np.ndarray, classes: int) -> np.ndarray:

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from foggy_synscapes.datasets.labels import CLASSES
-from foggy_synscapes.scoring.confusion import IDS, fold, joint_histogram
+from foggy_synscapes.scoring.confusion import IDS, JointHistogram, fold
 from foggy_synscapes.scoring.encoding import class_table, contradiction, detect, unknown_ids
 
 ASK = "Say which they are (--encoding trainIds or --encoding labelIds)."
@@ -74,10 +75,16 @@ class Tally:
         self.images = 0
         self.labels = Side("labels", predicted=False)
         self.predictions = Side("predictions", predicted=True)
+        self._histogram: JointHistogram | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Buffers do not travel between processes.
+        return {**self.__dict__, "_histogram": None}
 
     def add(self, labels: np.ndarray, predictions: np.ndarray, label_name: str, prediction_name: str) -> None:
         """Count one pair of maps, uint8 (H, W); raises ValueError as `confusion.joint_histogram` does."""
-        counts = joint_histogram(labels, predictions)
+        self._histogram = self._histogram or JointHistogram()
+        counts = self._histogram(labels, predictions)
         self.labels.add(np.flatnonzero(counts.any(axis=1)).tolist(), label_name)
         self.predictions.add(np.flatnonzero(counts.any(axis=0)).tolist(), prediction_name)
         self.counts += counts
