@@ -14,8 +14,14 @@ FOLDER = Path(__file__).resolve().parent
 
 
 def sources(word: str) -> list[str]:
-    """Source files of a command, relative to the package's folder, sorted; e.g. `stages/filter.py`."""
-    return sorted(_reach(f"stages.{word}"))
+    """Source files of a command, relative to the package's folder, sorted; e.g. `stages/filter.py`.
+
+    The tables of numbers that lie beside a package's code belong to it.
+    """
+    files = _reach(f"stages.{word}")
+    packages = {(FOLDER / file).parent for file in files if file.endswith("__init__.py")}
+    data = {path.relative_to(FOLDER).as_posix() for package in packages for path in package.glob("*.csv")}
+    return sorted(files | data)
 
 
 def libraries(word: str) -> list[str]:
