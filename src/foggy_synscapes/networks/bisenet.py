@@ -114,7 +114,8 @@ class BiSeNet(Network):
             self.head16 = Head(decoder, side, config.classes)
             self.head32 = Head(decoder, side, config.classes)
         for name, module in self.named_modules():
-            if isinstance(module, nn.Conv2d) and not name.startswith("backbone."):
+            # Tensors without storage take no values; drawing some would load the compiler, for two seconds.
+            if isinstance(module, nn.Conv2d) and not name.startswith("backbone.") and not module.weight.is_meta:
                 nn.init.kaiming_normal_(module.weight, mode="fan_in", nonlinearity="relu")
 
     def _resize(self, x: Tensor, like: Tensor) -> Tensor:

@@ -66,7 +66,8 @@ class ResNet(nn.Module):
             self.add_module(f"layer{stage + 1}", nn.Sequential(*blocks))
             self.channels.append(inputs)
         for module in self.modules():
-            if isinstance(module, nn.Conv2d):
+            # Tensors without storage take no values; drawing some would load the compiler, for two seconds.
+            if isinstance(module, nn.Conv2d) and not module.weight.is_meta:
                 nn.init.kaiming_normal_(module.weight, mode="fan_out", nonlinearity="relu")
 
     def forward(self, images: Tensor) -> list[Tensor]:
