@@ -32,13 +32,13 @@ def snakemake() -> dict[str, Step]:
     assert result.returncode == 0, result.stdout + result.stderr
     steps = {}
     for block in re.split(r"\n(?=(?:local)?rule )", result.stdout):
-        command = re.search(r"^foggy .*?(?= > )", block, re.MULTILINE)
+        command = re.search(r"^Shell command: (foggy .*?)(?= > )", block, re.MULTILINE)
         if command:
             paths = {
                 name: frozenset(re.search(rf"^ +{name}: (.*)$", block, re.MULTILINE)[1].split(", "))
                 for name in ("input", "output")
             }
-            steps[command[0]] = Step(paths["input"], paths["output"])
+            steps[command[1]] = Step(paths["input"], paths["output"])
     return steps
 
 
