@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from foggy_synscapes.plotting.style import COLOURS, DASHES, SETTINGS, new_figure
 
@@ -33,12 +34,15 @@ def curves(panels: Mapping[str, Mapping[str, tuple[Points, Points]]], title: str
                     best = min(losses[1], key=lambda point: point[1])
                     axes[1, column].plot(*best, "o", color=style["color"], markersize=4)
             axes[0, column].set_title(network)
-            axes[1, column].set_xlabel("training done (%)")
-        for panel, name in zip(axes[:, 0], ("training loss", "validation loss (dot: the snapshot kept)"), strict=True):
+            axes[1, column].set_xlabel("training done (%); dot: the snapshot that is kept")
+        for panel, name in zip(axes[:, 0], ("training loss", "validation loss"), strict=True):
             panel.set_ylabel(name)
         for panel in axes.flat:
             panel.set_yscale("log")
-            panel.yaxis.set_minor_formatter(matplotlib.ticker.LogFormatterSciNotation(minor_thresholds=(2, 0.5)))
+            # Plain numbers at every tick: losses stay within a decade or two.
+            panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            panel.yaxis.set_minor_formatter(NullFormatter())
+            panel.yaxis.set_major_locator(LogLocator(subs=(1, 1.2, 1.5, 2, 3, 4, 5, 6, 8)))
             panel.grid(alpha=0.3, linewidth=0.4)
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
         if title:
