@@ -31,7 +31,7 @@ def escape(text: str) -> str:
 def table(grid: Grid) -> str:
     """One `table*` environment. It needs the packages booktabs, graphicx and multirow."""
     lines = [
-        r"\begin{table*}[tbp]",
+        r"\begin{table*}[!htbp]",
         r"\centering",
         # As in the paper, a table that is wider than the text is shrunk to its width.
         r"\footnotesize\resizebox{\ifdim\width>\textwidth\textwidth\else\width\fi}{!}{%",
