@@ -19,9 +19,10 @@ import numpy as np
 F = np.float32
 I = np.int32  # noqa: E741 (as F: constants of the width that keeps loops narrow)
 LOG2E = math.log2(math.e)
-UNIT = F(65536)
+UNIT, STEP, WHITE = F(65536), F(32768), F(255 * 65536)
 SHIFT, FRACTION, NEAR, BOTH_SIDES = I(16), I(65535), I(8), I(16)
-HALF, BIAS, MANTISSA = F(0.5), I(127), I(23)
+# Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
+ROUNDER, EXPONENT = F(12582912.0), I(23)
 # 2^-60 is 0 beside every other term; below 2^-126 the exponent bits would wrap around.
 LOWEST = F(-60)
 # 2^f on [-0.5, 0.5] as a polynomial through 7 Chebyshev nodes; relative error 2.6e-9.
@@ -45,38 +46,41 @@ def _distances(depth, row, columns, out):
 
 
 @compiled
-def _transmittances(distance, exponent, bits, scale, out):
-    """exp2(exponent * distance); `scale` is `bits` seen as float32. NaN (infinity times 0) gives 0."""
+def _transmittances(distance, exponent, rounded, out):
+    """exp2(exponent * distance). NaN (infinity times 0) gives 0."""
     for x in range(distance.size):
         e = exponent * distance[x]
         e = e if e >= LOWEST else LOWEST
-        k = I(e - HALF)
-        f = e - F(k)
-        bits[x] = (k + BIAS) << MANTISSA
+        rounded[x] = e + ROUNDER
+        f = e - (rounded[x] - ROUNDER)
         out[x] = (((((C6 * f + C5) * f + C4) * f + C3) * f + C2) * f + C1) * f + C0
+    # Times 2^integer: the integer is added to the exponent bits.
+    bits, integers = out.view(I), rounded.view(I)
     for x in range(distance.size):
-        out[x] *= scale[x]
+        bits[x] += integers[x] << EXPONENT
 
 
 @compiled
-def _spread(values, out):
-    """Repeat each value for every channel; the usual numbers of channels as constants, which makes it fast."""
-    if out.size == 3 * values.size:
-        for x in range(values.size):
-            out[3 * x] = values[x]
-            out[3 * x + 1] = values[x]
-            out[3 * x + 2] = values[x]
-    else:
-        for i in range(out.size):
-            out[i] = values[i]
+def _composite(t, red, green, blue, light, out, flags):
+    """q = light + t difference for three channels; `out` gets the levels, `flags` the pixels close to a step."""
+    light_red, light_green, light_blue = light
+    for x in range(t.size):
+        r = I(light_red + t[x] * red[x])
+        g = I(light_green + t[x] * green[x])
+        b = I(light_blue + t[x] * blue[x])
+        out[3 * x] = np.uint8(r >> SHIFT)
+        out[3 * x + 1] = np.uint8(g >> SHIFT)
+        out[3 * x + 2] = np.uint8(b >> SHIFT)
+        nearest = min((r + NEAR) & FRACTION, min((g + NEAR) & FRACTION, (b + NEAR) & FRACTION))
+        flags[x] = np.uint8(nearest < BOTH_SIDES)
 
 
 @compiled
-def _composite(transmittance, difference, light, out, near):
-    for i in range(out.size):
-        q = I(light[i] + transmittance[i] * difference[i])
-        out[i] = np.uint8(q >> SHIFT)
-        near[i] = np.uint8(((q + NEAR) & FRACTION) < BOTH_SIDES)
+def _quantize(t, out, flags):
+    for x in range(t.size):
+        q = I(t[x] * WHITE + STEP)
+        out[x] = np.uint8(q >> SHIFT)
+        flags[x] = np.uint8(((q + NEAR) & FRACTION) < BOTH_SIDES)
 
 
 @compiled
@@ -88,47 +92,74 @@ def _any(words):
 
 
 @compiled
-def _exact(depth, row, column, scale, beta, clear, light):
-    t = math.exp(-beta * (depth * math.sqrt((row + column) / scale)))
-    return np.uint8(math.floor(255.0 * (t * (clear / 255.0) + (1.0 - t) * (light / 255.0)) + 0.5))
+def _exact(beta, depth, row, column, scale):
+    return math.exp(-beta * (depth * math.sqrt((row + column) / scale)))
+
+
+@compiled
+def _level(radiance):
+    return np.uint8(math.floor(255.0 * radiance + 0.5))
 
 
 @compiled
 def render(image, depth, rows, columns, scale, betas, airlight, foggy):
     """Fog on one image at each beta.
 
-    image : uint8 (H, W, C); depth : float (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
-    betas : float64 (B,), 1/m, above 0; airlight : uint8 (C,); foggy : uint8 (B, H, W, C), written
+    image : uint8 (H, W, 3); depth : float (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
+    betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,); foggy : uint8 (B, H, W, 3), written
     """
-    height, width, channels = image.shape
-    samples = channels * width
-    distance, t = np.empty(width, F), np.empty(width, F)
-    bits = np.empty(width, I)
-    exponents_scale = bits.view(F)
-    wide, difference = np.empty(samples, F), np.empty(samples, F)
-    level, light = np.empty(samples, F), np.empty(samples, F)
-    flags = np.zeros((samples + GROUP - 1) // GROUP * GROUP, np.uint8)
-    near, words = flags[:samples], flags.view(np.int64)
+    height, width = depth.shape
+    distance, rounded, t = np.empty(width, F), np.empty(width, F), np.empty(width, F)
+    red, green, blue = np.empty(width, F), np.empty(width, F), np.empty(width, F)
+    light = (UNIT * F(airlight[0]) + STEP, UNIT * F(airlight[1]) + STEP, UNIT * F(airlight[2]) + STEP)
+    flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
+    words = flags.view(np.int64)
     columns32 = (columns / scale).astype(F)
-    for i in range(samples):
-        level[i] = airlight[i % channels]
-        light[i] = (airlight[i % channels] + 0.5) * 65536
     for y in range(height):
-        clear = image[y].reshape(samples)
+        clear = image[y].reshape(3 * width)  # flat: the compiler sees the step of 3, and takes whole vectors
         _distances(depth[y], F(rows[y] / scale), columns32, distance)
-        for i in range(samples):
-            difference[i] = (F(clear[i]) - level[i]) * UNIT
+        for x in range(width):
+            red[x] = UNIT * (F(clear[3 * x]) - F(airlight[0]))
+            green[x] = UNIT * (F(clear[3 * x + 1]) - F(airlight[1]))
+            blue[x] = UNIT * (F(clear[3 * x + 2]) - F(airlight[2]))
         for b in range(betas.size):
-            out = foggy[b, y].reshape(samples)
-            _transmittances(distance, F(-betas[b] * LOG2E), bits, exponents_scale, t)
-            _spread(t, wide)
-            _composite(wide, difference, light, out, near)
-            for g in range(0, words.size, 8):
-                if _any(words[g : g + 8]):
-                    for i in range(8 * g, min(8 * g + GROUP, samples)):
-                        if near[i]:
-                            x, c = i // channels, i % channels
-                            out[i] = _exact(depth[y, x], rows[y], columns[x], scale, betas[b], clear[i], airlight[c])
+            out = foggy[b, y].reshape(3 * width)
+            if betas[b] == 0:  # no fog: also at infinite distance the image itself
+                out[...] = clear
+                continue
+            _transmittances(distance, F(-betas[b] * LOG2E), rounded, t)
+            _composite(t, red, green, blue, light, out, flags[:width])
+            for group in range(0, width, GROUP):
+                if _any(words[group // 8 : (group + GROUP) // 8]):
+                    for x in range(group, min(group + GROUP, width)):
+                        if flags[x]:
+                            share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
+                            for c in range(3):
+                                hidden = (1.0 - share) * (airlight[c] / 255.0)
+                                out[3 * x + c] = _level(share * (clear[3 * x + c] / 255.0) + hidden)
+
+
+@compiled
+def render_transmittance(depth, rows, columns, scale, betas, levels):
+    """Transmittance at each beta as levels: uint8 (B, H, W), written; the rest as in `render`."""
+    height, width = depth.shape
+    distance, rounded, t = np.empty(width, F), np.empty(width, F), np.empty(width, F)
+    flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
+    words = flags.view(np.int64)
+    columns32 = (columns / scale).astype(F)
+    for y in range(height):
+        _distances(depth[y], F(rows[y] / scale), columns32, distance)
+        for b in range(betas.size):
+            if betas[b] == 0:
+                levels[b, y] = 255
+                continue
+            _transmittances(distance, F(-betas[b] * LOG2E), rounded, t)
+            _quantize(t, levels[b, y], flags[:width])
+            for group in range(0, width, GROUP):
+                if _any(words[group // 8 : (group + GROUP) // 8]):
+                    for x in range(group, min(group + GROUP, width)):
+                        if flags[x]:
+                            levels[b, y, x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
 
 
 @compiled
@@ -155,19 +186,20 @@ def dark_channel(image, half, out):
     are missing, those that are there lie in the first window. Parts outside the image do not count.
     """
     height, width = out.shape
-    line = np.empty(width, np.uint8)
+    line, other = np.empty(width, np.uint8), np.empty(width, np.uint8)
     for y in range(height):
-        row = out[y]
+        row = image[y].reshape(3 * width)
         for x in range(width):
-            row[x] = min(image[y, x, 0], min(image[y, x, 1], image[y, x, 2]))
+            line[x] = min(row[3 * x], min(row[3 * x + 1], row[3 * x + 2]))
         step = 1
         while step <= half:
-            _lower(row[:-step], row[step:])
+            _copy(line, other)
+            _lower(line[:-step], other[step:])
             step *= 2
-        line[:] = row
-        _lower(row[half:], line[:-half])
+        _copy(line, out[y])
+        _lower(out[y, half:], line[:-half])
         for x in range(min(half, width)):
-            row[x] = min(row[x], line[0])
+            out[y, x] = min(line[x], line[0])
     step = 1
     while step <= half:
         for y in range(height - step):
@@ -178,8 +210,14 @@ def dark_channel(image, half, out):
 
 
 @compiled
+def _copy(values, out):
+    for x in range(values.size):  # an assignment to out[:] takes four times as long
+        out[x] = values[x]
+
+
+@compiled
 def _lower(values, others):
-    """values = min(values, others), first to last: `others` may be the same memory further on."""
+    """values = min(values, others), which must be other memory: only then whole vectors can be taken."""
     for x in range(values.size):
         values[x] = min(values[x], others[x])
 

@@ -91,7 +91,18 @@ def foggy_images(
     """
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
-    return _render(image, depth, rays, np.asarray(airlight, np.uint8), betas, out)
+    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
+    from foggy_synscapes.fog import kernel
+
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+        raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
+    foggy = _checked_output(image.shape, depth, rays, betas, out)
+    light = np.array(airlight, np.uint8)
+    if light.shape != (3,):
+        raise ValueError(f"airlight: {airlight}, expected three levels")
+    pixels, metres = np.ascontiguousarray(image), np.ascontiguousarray(depth)
+    kernel.render(pixels, metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), light, foggy)
+    return foggy
 
 
 def transmittance_images(
@@ -99,11 +110,17 @@ def transmittance_images(
 ) -> np.ndarray:
     """Transmittance at several densities in 8 bits: uint8 (B, H, W), floor(255 t + 0.5).
 
-    Parameters and errors as in `foggy_images`: this is fog of no light on a white image.
+    Parameters and errors as in `foggy_images`; a beta of 0 gives 255 everywhere.
+
+    >>> from foggy_synscapes.fog.geometry import straight
+    >>> transmittance_images(np.array([[0.0, 100.0, np.inf]]), straight((1, 3)), [math.log(2) / 100])
+    array([[[255, 128,   0]]], dtype=uint8)
     """
-    white = np.broadcast_to(np.uint8(255), (*depth.shape, 1)).copy()
-    out = None if out is None else out[..., None]
-    return _render(white, depth, rays, np.zeros(1, np.uint8), betas, out)[..., 0]
+    from foggy_synscapes.fog import kernel
+
+    levels, metres = _checked_output(depth.shape, depth, rays, betas, out), np.ascontiguousarray(depth)
+    kernel.render_transmittance(metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), levels)
+    return levels
 
 
 def count_zero_depth(depth: np.ndarray) -> int:
@@ -118,38 +135,21 @@ def count_zero_depth(depth: np.ndarray) -> int:
     return zero
 
 
-def _render(
-    image: np.ndarray,
-    depth: np.ndarray,
-    rays: Rays,
-    airlight: np.ndarray,
-    betas: Sequence[float],
-    out: np.ndarray | None,
+def _checked_output(
+    shape: tuple[int, ...], depth: np.ndarray, rays: Rays, betas: Sequence[float], out: np.ndarray | None
 ) -> np.ndarray:
-    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
-    from foggy_synscapes.fog import kernel
-
-    if not image.shape[:2] == depth.shape == rays.shape:
-        raise ValueError(
-            f"shapes differ: image {image.shape[:2]}, depth {depth.shape}, camera {rays.shape} (rows, columns)"
-        )
+    """Array to write images of a shape to, one per beta, after all arguments were found to be possible."""
+    if not shape[:2] == depth.shape == rays.shape:
+        raise ValueError(f"shapes differ: image {shape[:2]}, depth {depth.shape}, camera {rays.shape} (rows, columns)")
     count_zero_depth(depth)
     for beta in betas:
         if not 0 <= beta < math.inf:
             raise ValueError(f"beta: {beta}, expected a finite number of 1/m that is not negative")
+    shape = (len(betas), *shape)
     if out is None:
-        out = np.empty((len(betas), *image.shape), np.uint8)
-    elif out.shape != (len(betas), *image.shape) or out.dtype != np.uint8 or not out.flags.c_contiguous:
-        raise ValueError(f"out: {out.dtype} {out.shape}, expected contiguous uint8 {(len(betas), *image.shape)}")
-    image, depth = np.ascontiguousarray(image), np.ascontiguousarray(depth)
-    if all(beta > 0 for beta in betas):
-        kernel.render(image, depth, rays.rows, rays.columns, rays.scale, np.asarray(betas, float), airlight, out)
-        return out
-    for beta, foggy in zip(betas, out, strict=True):
-        if beta == 0:
-            foggy[...] = image  # also where distance is infinite: no fog, no airlight
-        else:
-            _render(image, depth, rays, airlight, [beta], foggy[None])
+        return np.empty(shape, np.uint8)
+    if out.shape != shape or out.dtype != np.uint8 or not out.flags.c_contiguous:
+        raise ValueError(f"out: {out.dtype} {out.shape}, expected contiguous uint8 {shape}")
     return out
 
 

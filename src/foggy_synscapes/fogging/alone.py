@@ -69,9 +69,10 @@ def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, L
     """
     tasks = ((frame, job, known.get(frame.id)) for frame in frames)
     if processes == 1:
+        render.keep_memory()
         yield from (fog_frame(*task) for task in tasks)
         return
-    pool = ProcessPoolExecutor(processes, initializer=_ignore_interrupts)
+    pool = ProcessPoolExecutor(processes, initializer=_begin)
     waiting: deque = deque()
     try:
         for task in tasks:
@@ -148,6 +149,7 @@ def _is_right(path: Path, newest: int) -> bool:
     return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
 
 
-def _ignore_interrupts() -> None:
+def _begin() -> None:
+    render.keep_memory()
     # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

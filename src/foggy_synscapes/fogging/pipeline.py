@@ -37,6 +37,7 @@ def airlight(params: Params, shard: str) -> None:
     Raises FoggyError if an image is missing, damaged or not as indexed.
     """
     treatment, rows = params.fog.blue_airlight, []
+    render.keep_memory()
     index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
     for frame in progress(_frames(params, shard), f"fog airlight {shard}", unit="frame"):
         path = synscapes.rgb(frame)
@@ -66,6 +67,7 @@ def fog(params: Params, beta: str, shard: str) -> None:
     tar = FOLDER / f"beta_{beta}" / f"{shard}.tar"
     table, manifest = FOLDER / "airlight" / f"{shard}.csv", tar.with_suffix(".csv")
     inputs = [index_path(f"synscapes/{shard}"), KEPT, table]
+    render.keep_memory()
     finished = _finished(tar, {"inputs": [sha256(path) for path in inputs], "params": _params(params, FOG_PARAMS)})
     dropped: list[int] = []
     members = _members(params, beta, shard, table, finished, dropped)

@@ -1,5 +1,6 @@
 """One frame from its files: read, fog at several betas, encode."""
 
+import ctypes
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,6 +16,8 @@ from foggy_synscapes.io.images import read_depth, read_rgb
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
 """What to do where the airlight is blue (paper, section III, failure case)."""
+
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # malloc.h
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,18 @@ class Clear:
         if light.levels == (0, 0, 0):
             found.append(f"{self.rgb_name}: its atmospheric light is black, so its fog is black")
         return found
+
+
+def keep_memory() -> None:
+    """Let this process keep what it frees, up to 256 MB, for the next frame.
+
+    The C library hands blocks as large as images back to the system each time, and clearing fresh pages for the
+    next one takes a tenth of a frame's time. Where there is no glibc, nothing happens.
+    """
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(M_MMAP_THRESHOLD, 32 << 20)
+        library.mallopt(M_TRIM_THRESHOLD, 256 << 20)
 
 
 def read_clear(rgb: Path | bytes, depth: Path | bytes, rgb_name: str, depth_name: str) -> Clear:

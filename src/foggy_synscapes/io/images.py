@@ -10,6 +10,7 @@ import io
 import os
 import struct
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with a
 GREY, RGB = 0, 2
 LARGEST = 100_000_000  # pixels; a header that claims more is an attack or an accident
 AGAIN = "Fetch or make the file again."
+_thread = threading.local()
 UP_FILTER = 2  # PNG specification, section 9.2: each byte minus the byte above it
 
 
@@ -112,7 +114,7 @@ def encode_png(pixels: np.ndarray, level: int = 1) -> bytes:
     if pixels.dtype == np.uint16:
         pixels = pixels.astype(">u2").view(np.uint8)  # PNG stores the high byte first
     rows = np.ascontiguousarray(pixels).reshape(height, -1)
-    filtered = np.empty((height, 1 + rows.shape[1]), np.uint8)
+    filtered = _scratch(height, 1 + rows.shape[1])
     filtered[:, 0] = UP_FILTER
     filtered[0, 1:] = rows[0]
     np.subtract(rows[1:], rows[:-1], out=filtered[1:, 1:])
@@ -229,6 +231,14 @@ def _check_exr(header: dict, name: str) -> None:
     _check_size(right - left + 1, bottom - top + 1, name)
     if not all(map(np.array_equal, header["dataWindow"], header["displayWindow"])):
         raise FoggyError(f"{name}: a part of its image only (data window {left}, {top} to {right}, {bottom})")
+
+
+def _scratch(height: int, width: int) -> np.ndarray:
+    """Memory of the last image of this size in this thread: fresh pages would cost a tenth of the encoding."""
+    kept = getattr(_thread, "scratch", None)
+    if kept is None or kept.shape != (height, width):
+        kept = _thread.scratch = np.empty((height, width), np.uint8)
+    return kept
 
 
 def _chunk(kind: bytes, data: bytes) -> tuple[bytes, ...]:
