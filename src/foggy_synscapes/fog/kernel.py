@@ -46,6 +46,12 @@ def _distances(depth, row, columns, out):
 
 
 @compiled
+def _exponent(beta):
+    # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
+    return F(max(-beta * LOG2E, -3e38))
+
+
+@compiled
 def _transmittances(distance, exponent, rounded, out):
     """exp2(exponent * distance). NaN (infinity times 0) gives 0."""
     for x in range(distance.size):
@@ -127,7 +133,7 @@ def render(image, depth, rows, columns, scale, betas, airlight, foggy):
             if betas[b] == 0:  # no fog: also at infinite distance the image itself
                 out[...] = clear
                 continue
-            _transmittances(distance, F(-betas[b] * LOG2E), rounded, t)
+            _transmittances(distance, _exponent(betas[b]), rounded, t)
             _composite(t, red, green, blue, light, out, flags[:width])
             for group in range(0, width, GROUP):
                 if _any(words[group // 8 : (group + GROUP) // 8]):
@@ -153,7 +159,7 @@ def render_transmittance(depth, rows, columns, scale, betas, levels):
             if betas[b] == 0:
                 levels[b, y] = 255
                 continue
-            _transmittances(distance, F(-betas[b] * LOG2E), rounded, t)
+            _transmittances(distance, _exponent(betas[b]), rounded, t)
             _quantize(t, levels[b, y], flags[:width])
             for group in range(0, width, GROUP):
                 if _any(words[group // 8 : (group + GROUP) // 8]):
