@@ -91,7 +91,9 @@ TABLES = expand(
 FIGURES = expand(
     "results/figures/{figure}.png", figure=["beta_strip", "fc_against_fs", "curves"]
 ) + expand(
-    "results/figures/predictions_{test_set}.png", test_set=PARAMS.evaluate.test_sets
+    "results/figures/{kind}_{test_set}.png",
+    kind=["predictions", "class_change", "confusion"],
+    test_set=PARAMS.evaluate.test_sets,
 )
 
 

@@ -9,6 +9,9 @@ def figure_sources(figure):
             row=ROWS,
             seed=PARAMS.train.seeds,
         )
+    for kind in ("class_change_", "confusion_"):
+        if figure.startswith(kind):
+            return evaluations(figure.removeprefix(kind), "metrics.json")
     test_set = figure.removeprefix("predictions_")
     scores = evaluations(test_set, "metrics.json") + evaluations(
         test_set, "predictions.tar"
@@ -33,7 +36,7 @@ rule figures:
         figures=section("figures"),
         fog=section("fog", "geometry"),
         train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
-        tables=section("tables", "rows"),
+        tables=section("tables", "rows", "stand_in"),
         scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

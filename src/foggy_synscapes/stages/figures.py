@@ -12,6 +12,7 @@ from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import foggy_cityscapes, synscapes
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.datasets.labels import CLASSES, IGNORE, to_train_ids
+from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.frame import foggy_frame
@@ -32,14 +33,16 @@ if TYPE_CHECKING:
 
 HELP = "Draw a figure: fog at each beta, FC against FS, predictions of each row, training curves."
 FOLDER = Path("results/figures")
+BASELINE = "C"
 KEPT = Path("results/filter/kept.csv")
 TEST_SETS = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich", "cityscapes": "clear Cityscapes, val"}
+OF_TEST_SET = ("predictions", "class_change", "confusion")
 NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    names = ["beta_strip", "fc_against_fs", "curves", *(f"predictions_{name}" for name in TEST_SETS)]
+    names = ["beta_strip", "fc_against_fs", "curves", *(f"{kind}_{name}" for name in TEST_SETS for kind in OF_TEST_SET)]
     parser.add_argument("--figure", required=True, metavar="NAME", choices=names, help=", ".join(names))
 
 
@@ -64,10 +67,12 @@ def figures(params: Params, name: str) -> None:
         "fc_against_fs": _fc_against_fs,
         "curves": _curves,
     }
+    draw_of_test_set = {"predictions": _predictions, "class_change": _class_change, "confusion": _confusion}
     if name in draw:
         figure = draw[name](params, inputs)
     else:
-        figure = _predictions(params, inputs, name.removeprefix("predictions_"))
+        kind = next(kind for kind in OF_TEST_SET if name.startswith(kind))
+        figure = draw_of_test_set[kind](params, inputs, name.removeprefix(f"{kind}_"))
     outputs = [FOLDER / f"{name}.{ending}" for ending in ("png", "pdf")]
     for path in outputs:
         write_bytes(path, render(figure, path.suffix[1:]))
@@ -209,6 +214,55 @@ def _predictions(params: Params, inputs: list[Path], test_set: str) -> "Figure":
         names += [NETWORKS[network]] * len(pairs)
     title = f"{TEST_SETS[test_set]}: predictions of each training row; in the corner, mean IoU of the image in percent"
     return grid(lines, ["image", "ground truth", *rows], names, notes, legend=True, title=title)
+
+
+def _class_change(params: Params, inputs: list[Path], test_set: str) -> "Figure":
+    """Change of each class's IoU against the baseline C, of the first seed."""
+    from foggy_synscapes.plotting.scores import class_change
+
+    panels, annotated = {}, 0
+    for network, runs in _scores(params, inputs, test_set).items():
+        if BASELINE not in runs:
+            raise FoggyError(f"figures: no scores of row {BASELINE} of {network} on {test_set}; evaluate it first")
+        annotated = runs[BASELINE]["annotated_classes"]
+        ious = {row: [entry["iou"] for entry in run["classes"]] for row, run in runs.items()}
+        for row, run in runs.items():
+            ious[row].append(run["mean_iou"]["annotated"])
+        panels[NETWORKS[network]] = {
+            row: [None if a is None or b is None else a - b for a, b in zip(values, ious[BASELINE], strict=True)]
+            for row, values in ious.items()
+            if row != BASELINE
+        }
+    return class_change(panels, [*CLASSES, f"mean ({annotated} annotated)"], _title(params, test_set), BASELINE)
+
+
+def _confusion(params: Params, inputs: list[Path], test_set: str) -> "Figure":
+    """Confusion matrix of each network's best row, of the first seed."""
+    from foggy_synscapes.plotting.scores import confusion
+
+    panels = {}
+    for network, runs in _scores(params, inputs, test_set).items():
+        best = max(runs, key=lambda row: runs[row]["mean_iou"]["annotated"])
+        matrix = [*zip(*runs[best]["confusion"], strict=True), runs[best]["unlabelled_predictions"]]
+        panels[f"{NETWORKS[network]}, {best} (highest mean IoU)"] = np.array(matrix, np.int64).T
+    return confusion(panels, CLASSES, _title(params, test_set))
+
+
+def _scores(params: Params, inputs: list[Path], test_set: str) -> dict[str, dict[str, dict]]:
+    """Metrics by network and row, of the first seed, of the runs that exist."""
+    found: dict[str, dict[str, dict]] = {}
+    for network in params.train.networks:
+        paths = {row: scores_path(test_set, network, row, params.train.seeds[0]) for row in _rows(params)}
+        runs = {row: read_scores(path) for row, path in paths.items()}
+        found[network] = {row: run for row, run in runs.items() if run is not None}
+        inputs += [paths[row] for row in found[network]]
+        if not found[network]:
+            raise FoggyError(f"figures: no scores of {network} on {test_set}; run `foggy evaluate` first")
+    return found
+
+
+def _title(params: Params, test_set: str) -> str:
+    return TEST_SETS[test_set] + (" (stand-in)" if params.tables.stand_in else "")
 
 
 def spread(items: list, count: int) -> list:

@@ -1,10 +1,10 @@
 """tables: the mIoU tables of the runs made here, and those of the paper from their published numbers."""
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
+from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.runs import write_run
@@ -12,7 +12,6 @@ from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.published import TEST_SETS as PUBLISHED
 from foggy_synscapes.published import load as load_published
-from foggy_synscapes.scoring.metrics import check
 from foggy_synscapes.tabling import latex, markdown
 from foggy_synscapes.tabling.ours import TITLES, grids, long_columns
 from foggy_synscapes.tabling.paper import published_columns, published_grid
@@ -20,7 +19,6 @@ from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
 
 HELP = "Make the tables of mean IoU (percent): CSV, LaTeX and Markdown."
 FOLDER = Path("results/tables")
-METRICS = "results/evaluate/{test_set}/{network}/{row}/seed-{seed}/metrics.json"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,8 +69,8 @@ def tables(params: Params, test_set: str) -> None:
     documents, inputs = [], []
     for network in networks:
         for label in labels:
-            paths = [Path(METRICS.format(test_set=test_set, network=network, row=label.row, seed=s)) for s in seeds]
-            runs[network, label.row] = [_read(path) if label.row in trained else None for path in paths]
+            paths = [scores_path(test_set, network, label.row, seed) for seed in seeds]
+            runs[network, label.row] = [read_scores(path) if label.row in trained else None for path in paths]
             for path, document in zip(paths, runs[network, label.row], strict=True):
                 if document is not None:
                     inputs.append(path)
@@ -92,22 +90,6 @@ def tables(params: Params, test_set: str) -> None:
         outputs=outputs,
     )
     print(f"tables {test_set}: {len(documents)} of {len(networks) * len(labels) * len(seeds)} runs; see {outputs[2]}")
-
-
-def _read(path: Path) -> dict[str, Any] | None:
-    """Metrics of a run, or None where it was not made."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        return None
-    except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(f"{path}: cannot be read: {error}") from error
-    try:
-        document = json.loads(text)
-        check(document)
-    except ValueError as error:
-        raise FoggyError(f"{path}: {error}. Was it made by `foggy evaluate`? Run that again.") from error
-    return document
 
 
 def _same_labels(documents: list[dict[str, Any]], path: Path) -> None:
