@@ -63,16 +63,14 @@ def test_visibility_of_the_papers_betas() -> None:
 
 def test_half_the_light_comes_through_at_the_half_value_distance() -> None:
     """By hand: t = 1/2, so F = 100/2 + 220/2 = 160; at twice the distance t = 1/4: 25 + 165 = 190."""
-    half = math.log(2) / 0.01
-    image = np.full((1, 2, 3), 100, np.uint8)
-    foggy = foggy_images(image, np.array([[half, 2 * half]]), straight((1, 2)), (220, 220, 220), [0.01])
+    image, depth = np.full((1, 2, 3), 100, np.uint8), np.array([[64.0, 128.0]], np.float32)
+    foggy = foggy_images(image, depth, straight((1, 2)), (220, 220, 220), [math.log(2) / 64])
     assert foggy[0, 0].tolist() == [[160] * 3, [190] * 3]
 
 
 def test_a_half_is_rounded_up() -> None:
     """t = 1/2 of 255 is 127.5: 128, by floor(255 x + 0.5)."""
-    half = math.log(2)
-    levels = transmittance_images(np.array([[half]]), straight((1, 1)), [1.0])
+    levels = transmittance_images(np.array([[64.0]], np.float32), straight((1, 1)), [math.log(2) / 64])
     assert levels.tolist() == [[[128]]]
 
 
@@ -88,12 +86,11 @@ def test_all_betas_in_one_pass_are_the_plain_formula_at_each(frame, betas) -> No
 
 
 @pytest.mark.parametrize("width", [1, 15, 63, 64, 65, 129, 400])
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_the_levels_are_those_of_float64_whatever_the_width_of_vectors(width: int, dtype: type) -> None:
+def test_the_levels_are_those_of_float64_whatever_the_width_of_vectors(width: int) -> None:
     """Half a million samples, of which about a hundred lie so near a step that float32 could err."""
     height = 170_000 // width // 2
     image = RNG.integers(0, 256, (height, width, 3), dtype=np.uint8)
-    depth = (RNG.random((height, width)) ** 3 * 700).astype(dtype)
+    depth = (RNG.random((height, width)) ** 3 * 700).astype(np.float32)
     lines = rays(Camera(300.0, 300.0, width / 2, 100.0, width, height))
     for beta, foggy in zip(
         (0.005, 0.03), foggy_images(image, depth, lines, (251, 255, 249), (0.005, 0.03)), strict=True
@@ -234,14 +231,12 @@ def test_other_arrays_are_refused() -> None:
         foggy_images(image, depth, lines, LIGHT, [0.005], out=np.zeros((2, 11, 16, 3), np.uint8))
 
 
-def test_views_and_double_depth_give_the_same_fog() -> None:
+def test_views_give_the_same_fog() -> None:
     image = RNG.integers(0, 256, (11, 32, 3), dtype=np.uint8)
     depth = RNG.random((11, 32), dtype=np.float32) * 300
     lines = rays(CAMERA)
     plain = foggy_images(image[:, ::2].copy(), depth[:, ::2].copy(), lines, LIGHT, [0.01])
     np.testing.assert_array_equal(foggy_images(image[:, ::2], depth[:, ::2], lines, LIGHT, [0.01]), plain)
-    doubled = depth[:, ::2].astype(np.float64)
-    np.testing.assert_array_equal(foggy_images(image[:, ::2], doubled, lines, LIGHT, [0.01]), plain)
 
 
 def test_pixels_at_distance_zero_are_counted() -> None:

@@ -74,7 +74,7 @@ def foggy_images(
     Parameters
     ----------
     image : uint8 (H, W, 3)
-    depth : float32 or float64 (H, W), planar metres, at least 0; infinity gives the airlight
+    depth : float32 (H, W), planar metres, at least 0; infinity gives the airlight
     rays : of the image's camera, see `fog.geometry`
     airlight : three levels, 0 to 255
     betas : 1/m, at least 0; 0 gives the image itself
@@ -84,7 +84,7 @@ def foggy_images(
 
     >>> from foggy_synscapes.fog.geometry import straight
     >>> image = np.full((1, 2, 3), 100, np.uint8)
-    >>> depth = np.array([[100.0, np.inf]])
+    >>> depth = np.array([[100.0, np.inf]], np.float32)
     >>> foggy_images(image, depth, straight((1, 2)), (200, 200, 200), [math.log(2) / 100])[0, 0]
     array([[150, 150, 150],
            [200, 200, 200]], dtype=uint8)
@@ -113,7 +113,7 @@ def transmittance_images(
     Parameters and errors as in `foggy_images`; a beta of 0 gives 255 everywhere.
 
     >>> from foggy_synscapes.fog.geometry import straight
-    >>> transmittance_images(np.array([[0.0, 100.0, np.inf]]), straight((1, 3)), [math.log(2) / 100])
+    >>> transmittance_images(np.array([[0.0, 100.0, np.inf]], np.float32), straight((1, 3)), [math.log(2) / 100])
     array([[[255, 128,   0]]], dtype=uint8)
     """
     from foggy_synscapes.fog import kernel
@@ -127,8 +127,8 @@ def count_zero_depth(depth: np.ndarray) -> int:
     """How many pixels lie at distance 0, which usually means missing depth; ValueError as in `foggy_images`."""
     from foggy_synscapes.fog import kernel
 
-    if depth.ndim != 2 or depth.dtype not in (np.float32, np.float64):
-        raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 or float64 (H, W)")
+    if depth.ndim != 2 or depth.dtype != np.float32:
+        raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 (H, W)")
     wrong, zero = kernel.survey(depth)
     if wrong:
         raise ValueError(f"depth: {wrong} values are negative or not a number, expected metres")
