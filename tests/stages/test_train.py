@@ -251,3 +251,21 @@ def test_a_baseline_that_is_no_model_is_refused(project, capsys):
 @pytest.mark.parametrize("arguments", [{"row": "X"}, {"seed": "-1"}, {"seed": "x"}, {"network": "unet"}])
 def test_a_wrong_call_ends_with_status_2(project, arguments):
     assert train(**arguments) == 2
+
+
+def test_a_baseline_that_is_not_trained_is_its_weights(project):
+    """As in the paper, whose RefineNet baseline is a public model."""
+    assert train() == 0
+    Path("weights.safetensors").write_bytes(Path("results/train/bisenet/C/seed-0/model.safetensors").read_bytes())
+    project(("bisenet", "weights"), "weights.safetensors")
+    project(("bisenet", "baseline"), None)
+    assert train(seed="1") == 0
+    assert hashes(seed="1")["model.safetensors"] == hashes(seed="0")["model.safetensors"]
+    assert Path("results/train/bisenet/C/seed-1/curves.csv").read_text().count("\n") == 1
+    assert train(row="FC-498", seed="1") == 0
+
+
+def test_no_training_and_no_weights_is_a_contradiction(project, capsys):
+    project(("bisenet", "baseline"), None)
+    assert train() == 1
+    assert "baseline: null takes the model in `weights` as row C, but weights is none" in capsys.readouterr().err

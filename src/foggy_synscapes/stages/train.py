@@ -73,6 +73,9 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
 
     settings: NetworkSettings = getattr(params.train, network)
     fine_tuned = row in params.train.from_baseline
+    if not fine_tuned and settings.baseline is None:
+        _take_weights(params, settings, network, row, seed)
+        return
     chosen = settings.fine_tuning if fine_tuned else settings.baseline
     policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
     schedule = params.train.rows[row] if fine_tuned else settings.baseline
@@ -110,20 +113,40 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     except ValueError as error:
         raise FoggyError(f"{network} {row}: {error}") from error
     model.network.load_state_dict(outcome.best)
+    _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs)
+    snapshot.unlink(missing_ok=True)
+    print(
+        f"train {network} {row}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} "
+        f"after iteration {outcome.best_step} (kept)"
+    )
+
+
+def _take_weights(params: Params, settings: NetworkSettings, network: str, row: str, seed: str) -> None:
+    """Make the start weights themselves the model of a row: a public model that needs no training here."""
+    from foggy_synscapes.networks.weights import dump
+
+    model = _start(settings, network, settings.weights, int(seed))
+    record = _record(params, settings, network, row, fine_tuned=False)
+    _finish(network, row, seed, dump(model.network, model.preprocessing), [], record, [settings.weights])
+    print(f"train {network} {row}: the model is {settings.weights}; its params say that it is not trained")
+
+
+def _finish(
+    network: str, row: str, seed: str, model: bytes, curve: list, record: dict[str, Any], inputs: list[Path | str]
+) -> None:
+    """Write the model, its curve and the run record."""
+    from foggy_synscapes.training.loop import CURVE
+
+    folder = FOLDER / network / row / f"seed-{seed}"
     outputs = [folder / "model.safetensors", folder / "curves.csv"]
-    write_bytes(outputs[0], dump(model.network, model.preprocessing))
-    write_csv(outputs[1], loop.CURVE, outcome.curve)
+    write_bytes(outputs[0], model)
+    write_csv(outputs[1], CURVE, curve)
     write_run(
         folder / "run.json",
         command=["foggy", "train", "--network", network, "--row", row, "--seed", seed],
         params={"train": record},
         inputs=inputs,
         outputs=outputs,
-    )
-    snapshot.unlink(missing_ok=True)
-    print(
-        f"train {network} {row}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} "
-        f"after iteration {outcome.best_step} (kept)"
     )
 
 
