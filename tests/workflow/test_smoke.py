@@ -1,6 +1,7 @@
 """Both engines run the whole chain on the smallest params, and make the same bytes."""
 
 import hashlib
+import json
 import os
 import shutil
 import subprocess
@@ -8,6 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from foggy_synscapes.datasets.labels import from_train_ids
+from foggy_synscapes.datasets.test_sets import labelled_pairs
+from foggy_synscapes.io.images import encode_png, read_ids
+from foggy_synscapes.io.shards import Shard
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = (
@@ -113,6 +119,29 @@ def test_results_are_what_their_records_say_and_can_be_traced(snakemake: Path) -
     tree = run(snakemake, "foggy_synscapes", "trace", "results/tables/foggy_zurich.tex")
     assert "foggy scenes --dataset synscapes" in tree
     assert "<--" not in tree
+
+
+def test_scores_are_those_of_the_official_scorer(snakemake: Path, tmp_path: Path) -> None:
+    from cityscapesscripts.evaluation import evalPixelLevelSemanticLabeling as official
+
+    official.args.evalInstLevelScore = official.args.JSONOutput = False
+    official.args.quiet = True
+    scored = sorted((snakemake / "results/evaluate").glob("*/*/*/seed-0/metrics.json"))
+    assert len(scored) == 20
+    for path in scored:
+        test_set = path.parents[3].name
+        root = snakemake / "results/scenes" / test_set
+        pairs = labelled_pairs(test_set, root, [], "testv2")
+        guesses = []
+        with Shard(path.with_name("predictions.tar")) as shard:
+            for image, _ in pairs:
+                guesses.append(str(tmp_path / f"{len(guesses)}.png"))
+                Path(guesses[-1]).write_bytes(encode_png(from_train_ids(read_ids(shard.read(image)))))
+        expected = official.evaluateImgLists(guesses, [str(root / label) for _, label in pairs], official.args)
+        scores = json.loads(path.read_text())
+        assert scores["mean_iou_cityscapes"] == 100 * expected["averageScoreClasses"]
+        for entry in scores["classes"]:
+            assert entry["iou"] in (None, 100 * expected["classScores"][entry["name"]])
 
 
 def test_no_result_names_the_folder_or_the_user(snakemake: Path) -> None:
