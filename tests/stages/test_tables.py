@@ -193,3 +193,17 @@ def test_every_table_compiles(document):
     assert done.returncode == 0, done.stdout[-2000:]
     assert "Overfull" not in done.stdout
     assert Path("all.pdf").stat().st_size > 10_000
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex; Debian: texlive-latex-extra")
+@pytest.mark.parametrize("made", [True, False])
+def test_the_article_compiles_whatever_is_made(document, made):
+    if made:
+        put_metrics(metrics_path("C"))
+        assert tables(document) == 0
+        assert main(["tables", "--published", "--out", "results/paper"]) == 0
+    command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", str(ROOT / "paper/article.tex")]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert "Overfull" not in done.stdout
+    assert Path("article.pdf").stat().st_size > 10_000
