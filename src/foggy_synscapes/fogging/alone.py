@@ -1,5 +1,7 @@
 """Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
 
+import ctypes
+import os
 import signal
 from collections import deque
 from collections.abc import Iterator
@@ -19,6 +21,8 @@ from foggy_synscapes.io.images import encode_png, is_whole_png, read_rgb
 
 Light = tuple[int, int, int, int, int]
 """Row of the airlight table without its id: red, green, blue, row, column."""
+
+PR_SET_PDEATHSIG = 1  # sys/prctl.h
 
 AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
 
@@ -67,6 +71,7 @@ def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, L
 
     Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
     """
+    _remove_leftovers(frames, job)
     tasks = ((frame, job, known.get(frame.id)) for frame in frames)
     if processes == 1:
         render.keep_memory()
@@ -103,6 +108,8 @@ def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
             done.light = known or _light(render.airlight_of(read_rgb(frame.rgb), job.treatment)[0])
     except FoggyError as error:
         done.error = str(error)
+    except OSError as error:
+        done.error = f"{error.filename or frame.rgb}: {error.strerror} (frame {frame.id})"
     return done
 
 
@@ -149,7 +156,20 @@ def _is_right(path: Path, newest: int) -> bool:
     return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
 
 
+def _remove_leftovers(frames: list[Frame], job: Job) -> None:
+    """Remove half-written files of these frames; those of other frames may belong to a run beside this one."""
+    own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
+    for folder in job.out.glob("beta_*/*"):
+        for entry in os.scandir(folder):
+            if entry.name.endswith(".part") and entry.name[1:].rsplit(".", 2)[0] in own:
+                Path(entry).unlink(missing_ok=True)
+
+
 def _begin() -> None:
+    """What a process does first."""
     render.keep_memory()
     # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    library = ctypes.CDLL(None)
+    if hasattr(library, "prctl"):  # Linux: a killed first process would leave the others waiting for ever
+        library.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

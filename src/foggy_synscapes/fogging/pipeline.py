@@ -68,9 +68,10 @@ def fog(params: Params, beta: str, shard: str) -> None:
     table, manifest = FOLDER / "airlight" / f"{shard}.csv", tar.with_suffix(".csv")
     inputs = [index_path(f"synscapes/{shard}"), KEPT, table]
     render.keep_memory()
+    lights = {int(row["id"]): row for row in read_csv(table, COLUMNS)}
     finished = _finished(tar, {"inputs": [sha256(path) for path in inputs], "params": _params(params, FOG_PARAMS)})
     dropped: list[int] = []
-    members = _members(params, beta, shard, table, finished, dropped)
+    members = _members(params, beta, shard, lights, finished, dropped)
     write_manifest(manifest, write_shard(tar, members))
     write_run(
         tar.with_suffix(".run.json"),
@@ -85,14 +86,15 @@ def fog(params: Params, beta: str, shard: str) -> None:
 
 
 def _members(
-    params: Params, beta: str, shard: str, table: Path, finished: Path, dropped: list[int]
+    params: Params, beta: str, shard: str, lights: dict[int, dict[str, str]], finished: Path, dropped: list[int]
 ) -> Iterator[tuple[str, bytes]]:
     """File names and PNGs of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
     index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
-    lights = {int(row["id"]): row for row in read_csv(table, COLUMNS)}
     for frame, camera in progress(_frames(params, shard).items(), f"fog {beta} {shard}", unit="frame"):
         if frame not in lights:
-            raise FoggyError(f"{table}: no frame {frame}. Make the table again: foggy fog --airlight --shard {shard}")
+            raise FoggyError(
+                f"{FOLDER}/airlight/{shard}.csv: no frame {frame}. Run foggy fog --airlight --shard {shard}"
+            )
         if lights[frame]["treatment"] == render.DROP:
             dropped.append(frame)
             continue

@@ -8,6 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 from foggy_synscapes import __version__
+from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fogging import alone, pipeline
 from foggy_synscapes.fogging.frames import Frame, of_folders, of_synscapes, order
@@ -68,6 +69,8 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
     if args.jobs < 1:
         raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+    if args.camera is not None:
+        read_camera(args.camera)  # one camera for all frames: its errors are said once
     if args.synscapes is not None and args.rgb is None and args.depth is None:
         frames = of_synscapes(args.synscapes, args.ids, args.camera)
     elif args.synscapes is None and args.rgb and args.depth and args.camera:
