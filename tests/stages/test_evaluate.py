@@ -250,8 +250,7 @@ def test_a_wrong_call_ends_with_status_2(arguments, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-@pytest.fixture(scope="module")
-def model() -> bytes:
+def model_of(classes: int) -> bytes:
     import torch
 
     from foggy_synscapes.networks.build import build
@@ -259,7 +258,12 @@ def model() -> bytes:
     from foggy_synscapes.networks.weights import Preprocessing, dump
 
     torch.manual_seed(0)
-    return dump(build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4)), Preprocessing())
+    return dump(build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=classes)), Preprocessing())
+
+
+@pytest.fixture(scope="module")
+def model() -> bytes:
+    return model_of(classes=19)
 
 
 @pytest.fixture
@@ -350,6 +354,11 @@ def test_a_damaged_model_is_named(params):
     path = Path("results/train/bisenet/C/seed-0/model.safetensors")
     path.write_bytes(path.read_bytes()[:100])
     fails(params, r"model\.safetensors: .*safetensors file")
+
+
+def test_a_model_of_other_classes_is_refused(params):
+    write_bytes(Path("results/train/bisenet/C/seed-0/model.safetensors"), model_of(classes=21))
+    fails(params, "predicts 21 classes, expected the 19 of Cityscapes")
 
 
 def test_a_changed_image_is_named(params):

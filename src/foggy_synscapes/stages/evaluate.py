@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.datasets.index import expect, index_path, read_index
+from foggy_synscapes.datasets.labels import CLASSES
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
@@ -126,6 +127,10 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         model = load_model(source.read_bytes())
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
+    if model.config.classes != len(CLASSES):
+        raise FoggyError(
+            f"{source}: predicts {model.config.classes} classes, expected the {len(CLASSES)} of Cityscapes"
+        )
     folder = FOLDER / test_set / network / row / f"seed-{seed}"
     index, data = read_index(f"{test_set}/all"), root(params, test_set)
     pairs = labelled_pairs(test_set, data, index, params.scenes.zurich_list)
