@@ -28,7 +28,7 @@ LOWEST = F(-60)
 # 2^f on [-0.5, 0.5] as a polynomial through 7 Chebyshev nodes; relative error 2.6e-9.
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
-GROUP = 64  # flags looked at together
+GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
 
 
 def compiled(function: Callable) -> Callable:
@@ -40,40 +40,37 @@ def compiled(function: Callable) -> Callable:
 
 
 @compiled
+def _copy(values, out):
+    for x in range(values.size):  # an assignment to out[:] takes four times as long
+        out[x] = values[x]
+
+
+@compiled
 def _distances(depth, row, columns, out):
     for x in range(out.size):
         out[x] = depth[x] * math.sqrt(row + columns[x])
 
 
 @compiled
-def _exponent(beta):
-    # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
-    return F(max(-beta * LOG2E, -3e38))
-
-
-@compiled
-def _transmittances(distance, exponent, rounded, out):
-    """exp2(exponent * distance). NaN (infinity times 0) gives 0."""
+def _transmittances(distance, exponent, rounded, integers, out, bits):
+    """exp2(exponent * distance); NaN (infinity times 0) gives 0. `integers`, `bits`: `rounded`, `out` as int32."""
     for x in range(distance.size):
         e = exponent * distance[x]
         e = e if e >= LOWEST else LOWEST
         rounded[x] = e + ROUNDER
         f = e - (rounded[x] - ROUNDER)
         out[x] = (((((C6 * f + C5) * f + C4) * f + C3) * f + C2) * f + C1) * f + C0
-    # Times 2^integer: the integer is added to the exponent bits.
-    bits, integers = out.view(I), rounded.view(I)
-    for x in range(distance.size):
+    for x in range(distance.size):  # times 2^integer: the integer is added to the exponent's bits
         bits[x] += integers[x] << EXPONENT
 
 
 @compiled
 def _composite(t, red, green, blue, light, out, flags):
     """q = light + t difference for three channels; `out` gets the levels, `flags` the pixels close to a step."""
-    light_red, light_green, light_blue = light
     for x in range(t.size):
-        r = I(light_red + t[x] * red[x])
-        g = I(light_green + t[x] * green[x])
-        b = I(light_blue + t[x] * blue[x])
+        r = I(light[0] + t[x] * red[x])
+        g = I(light[1] + t[x] * green[x])
+        b = I(light[2] + t[x] * blue[x])
         out[3 * x] = np.uint8(r >> SHIFT)
         out[3 * x + 1] = np.uint8(g >> SHIFT)
         out[3 * x + 2] = np.uint8(b >> SHIFT)
@@ -90,9 +87,9 @@ def _quantize(t, out, flags):
 
 
 @compiled
-def _any(words):
+def _any(words, start):
     together = np.int64(0)
-    for i in range(words.size):
+    for i in range(start, start + WORDS):
         together |= words[i]
     return together != 0
 
@@ -107,36 +104,68 @@ def _level(radiance):
     return np.uint8(math.floor(255.0 * radiance + 0.5))
 
 
-@compiled
-def render(image, depth, rows, columns, scale, betas, airlight, foggy):
+class _Scratch:
+    """Memory for one row, and what all rows share; made outside the loops, which compile faster without it."""
+
+    def __init__(self, rows: np.ndarray, columns: np.ndarray, scale: float, betas: np.ndarray) -> None:
+        width = columns.size
+        self.geometry = rows, columns, scale, (rows / scale).astype(F), (columns / scale).astype(F)
+        # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
+        self.fog = betas, np.maximum(-betas * LOG2E, -3e38).astype(F)
+        distance, rounded, t = np.empty((3, width), F)
+        self.transmittance = distance, rounded, rounded.view(I), t, t.view(I)
+        flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
+        self.flags = flags, flags.view(np.int64)
+
+
+def render(image, depth, rows, columns, scale, betas, airlight, foggy) -> None:
     """Fog on one image at each beta.
 
-    image : uint8 (H, W, 3); depth : float (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
+    image : uint8 (H, W, 3); depth : float32 (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
     betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,); foggy : uint8 (B, H, W, 3), written
     """
     height, width = depth.shape
-    distance, rounded, t = np.empty(width, F), np.empty(width, F), np.empty(width, F)
-    red, green, blue = np.empty(width, F), np.empty(width, F), np.empty(width, F)
-    light = (UNIT * F(airlight[0]) + STEP, UNIT * F(airlight[1]) + STEP, UNIT * F(airlight[2]) + STEP)
-    flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
-    words = flags.view(np.int64)
-    columns32 = (columns / scale).astype(F)
-    for y in range(height):
-        clear = image[y].reshape(3 * width)  # flat: the compiler sees the step of 3, and takes whole vectors
-        _distances(depth[y], F(rows[y] / scale), columns32, distance)
+    scratch = _Scratch(rows, columns, scale, betas)
+    light = UNIT * airlight.astype(F)
+    differences = np.empty((3, width), F)
+    # Flat rows: the compiler sees the step of 3, and takes whole vectors.
+    flat = image.reshape(height, 3 * width), foggy.reshape(betas.size, height, 3 * width)
+    _render(
+        *flat,
+        depth,
+        *scratch.geometry,
+        *scratch.fog,
+        airlight,
+        light,
+        differences,
+        *scratch.transmittance,
+        *scratch.flags,
+    )
+
+
+@compiled
+def _render(
+    image, foggy, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, differences,
+    distance, rounded, integers, t, bits, flags, words,
+):  # fmt: skip
+    width = columns.size
+    red, green, blue = differences[0], differences[1], differences[2]
+    for y in range(rows.size):
+        clear = image[y]
+        _distances(depth[y], rows32[y], columns32, distance)
         for x in range(width):
-            red[x] = UNIT * (F(clear[3 * x]) - F(airlight[0]))
-            green[x] = UNIT * (F(clear[3 * x + 1]) - F(airlight[1]))
-            blue[x] = UNIT * (F(clear[3 * x + 2]) - F(airlight[2]))
+            red[x] = UNIT * F(clear[3 * x]) - light[0]
+            green[x] = UNIT * F(clear[3 * x + 1]) - light[1]
+            blue[x] = UNIT * F(clear[3 * x + 2]) - light[2]
         for b in range(betas.size):
-            out = foggy[b, y].reshape(3 * width)
+            out = foggy[b, y]
             if betas[b] == 0:  # no fog: also at infinite distance the image itself
-                out[...] = clear
+                _copy(clear, out)
                 continue
-            _transmittances(distance, _exponent(betas[b]), rounded, t)
-            _composite(t, red, green, blue, light, out, flags[:width])
+            _transmittances(distance, exponents[b], rounded, integers, t, bits)
+            _composite(t, red, green, blue, (light[0] + STEP, light[1] + STEP, light[2] + STEP), out, flags)
             for group in range(0, width, GROUP):
-                if _any(words[group // 8 : (group + GROUP) // 8]):
+                if _any(words, group // 8):
                     for x in range(group, min(group + GROUP, width)):
                         if flags[x]:
                             share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
@@ -145,27 +174,33 @@ def render(image, depth, rows, columns, scale, betas, airlight, foggy):
                                 out[3 * x + c] = _level(share * (clear[3 * x + c] / 255.0) + hidden)
 
 
-@compiled
-def render_transmittance(depth, rows, columns, scale, betas, levels):
+def render_transmittance(depth, rows, columns, scale, betas, levels) -> None:
     """Transmittance at each beta as levels: uint8 (B, H, W), written; the rest as in `render`."""
-    height, width = depth.shape
-    distance, rounded, t = np.empty(width, F), np.empty(width, F), np.empty(width, F)
-    flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
-    words = flags.view(np.int64)
-    columns32 = (columns / scale).astype(F)
-    for y in range(height):
-        _distances(depth[y], F(rows[y] / scale), columns32, distance)
+    scratch = _Scratch(rows, columns, scale, betas)
+    _render_transmittance(levels, depth, *scratch.geometry, *scratch.fog, *scratch.transmittance, *scratch.flags)
+
+
+@compiled
+def _render_transmittance(
+    levels, depth, rows, columns, scale, rows32, columns32, betas, exponents,
+    distance, rounded, integers, t, bits, flags, words,
+):  # fmt: skip
+    width = columns.size
+    for y in range(rows.size):
+        _distances(depth[y], rows32[y], columns32, distance)
         for b in range(betas.size):
+            out = levels[b, y]
             if betas[b] == 0:
-                levels[b, y] = 255
+                for x in range(width):
+                    out[x] = 255
                 continue
-            _transmittances(distance, _exponent(betas[b]), rounded, t)
-            _quantize(t, levels[b, y], flags[:width])
+            _transmittances(distance, exponents[b], rounded, integers, t, bits)
+            _quantize(t, out, flags)
             for group in range(0, width, GROUP):
-                if _any(words[group // 8 : (group + GROUP) // 8]):
+                if _any(words, group // 8):
                     for x in range(group, min(group + GROUP, width)):
                         if flags[x]:
-                            levels[b, y, x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
+                            out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
 
 
 @compiled
@@ -213,12 +248,6 @@ def dark_channel(image, half, out):
         step *= 2
     for y in range(height - 1, 0, -1):
         _lower(out[y], out[max(y - half, 0)])
-
-
-@compiled
-def _copy(values, out):
-    for x in range(values.size):  # an assignment to out[:] takes four times as long
-        out[x] = values[x]
 
 
 @compiled
