@@ -8,6 +8,7 @@ import pytest
 from foggy_synscapes import params
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.training_params import Duration
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -102,5 +103,5 @@ def test_a_beta_has_one_spelling(text: str, name: str) -> None:
 
 
 def test_fifty_epochs_of_498_images_are_the_papers_6250_iterations() -> None:
-    assert params.Duration(epochs=50).steps(498, 4) == 6250
-    assert params.Duration(iterations=7).steps(498, 4) == 7
+    assert Duration(epochs=50).steps(498, 4) == 6250
+    assert Duration(iterations=7).steps(498, 4) == 7

@@ -62,7 +62,7 @@ def test_distances_and_light_agree_with_the_fog_core(stereo_frames: list) -> Non
     camera = Camera(**scene.rig.intrinsic())
     exact = scene.depth * rays(camera, "exact").factor()
     assert np.allclose(haze.ray_length(scene.depth, scene.rig), exact, rtol=1e-12)
-    depth = stereo.to_depth(stereo.complete(stored), scene.rig.fx)
+    depth = stereo.to_depth(stereo.complete(stored), scene.rig.fx).astype(np.float32)
     by_core = foggy_frame(scene.rgb, depth, camera, [0.01], "exact")[0].astype(int)
     assert np.abs(haze.from_stereo(scene, stored, [0.01])[0] - by_core).max() < 30
 
