@@ -1,0 +1,182 @@
+"""How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--rounds 12] [--samples DIR]
+
+Five foggy images of each 1440 x 720 frame, on the two real Synscapes samples where --samples (or ../shared/data) has
+them, otherwise on generated frames that decode and encode about as fast.
+  codecs        decoding image and depth, encoding the five foggy images, and nothing else: the floor
+  fog           the same with airlight and fog: what `foggy fog` does with a frame between its files
+  naive         plain float64 NumPy, read and written by OpenImageIO with its default compression
+  command       `foggy fog` on many frames, its files written and synced: 1 and 2 processes, peak memory of a process
+CPU time is this thread's; codecs and fog are measured in turn, so that both meet the same machine.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets.synscapes import read_camera
+from foggy_synscapes.fog.airlight import GREY, estimate
+from foggy_synscapes.fogging import render
+from foggy_synscapes.io.images import encode_depth, encode_png, read_depth, read_rgb
+
+BETAS = ["0.005", "0.01", "0.02", "0.03", "0.06"]
+CAMERA = Camera(fx=1590.8, fy=1592.8, u0=771.3, v0=360.8, resx=1440, resy=720)
+OVER_CODECS, OVER_NAIVE, BY_TWO, MEMORY = 1.10, 40, 1.8, 400  # targets: ratios and MB
+# The peak of this program alone: what getrusage reports begins with the memory of the process that started it.
+PROGRAM = """
+import sys
+from foggy_synscapes.cli import main
+status = main(sys.argv[1:])
+peak = next(line for line in open("/proc/self/status") if line.startswith("VmHWM:"))
+print(peak.split()[1], file=sys.stderr)
+raise SystemExit(status)
+"""
+
+
+def generated(seed: int) -> tuple[bytes, bytes]:
+    """A frame of blocks and noise under a white sky at 8 km."""
+    rng = np.random.default_rng(seed)
+    blocks = np.kron(rng.integers(20, 200, (36, 72, 3)), np.ones((20, 20, 1))).astype(np.int64)
+    image = (blocks + rng.integers(-6, 7, blocks.shape)).clip(0, 255).astype(np.uint8)
+    depth = 5 + 150 * np.linspace(1, 0, 720)[:, None] ** 3 + rng.random((720, 1440))
+    image[:200], depth[:200] = (251, 255, 249), 8000 + rng.random((200, 1440))
+    return encode_png(image, 0), encode_depth(depth.astype(np.float32))
+
+
+def frames(folder: Path, count: int, samples: Path) -> Camera:
+    """Fill a folder in the layout of Synscapes with `count` frames, two different ones in turn."""
+    for name in ("rgb", "depth"):
+        (folder / "img" / name).mkdir(parents=True)
+    real = samples / "synscapes"
+    for number in range(1, count + 1):
+        paths = folder / f"img/rgb/{number}.png", folder / f"img/depth/{number}.exr"
+        kind = 2 - number % 2
+        if number <= 2:
+            sources = real / f"img/rgb/{kind}.png", real / f"img/depth/{kind}.exr"
+            data = [path.read_bytes() for path in sources] if real.is_dir() else generated(kind)
+            for path, content in zip(paths, data, strict=True):
+                path.write_bytes(content)
+        else:
+            for path in paths:
+                os.link(path.with_stem(str(kind)), path)
+    camera = read_camera(real / "camera.json") if real.is_dir() else CAMERA
+    text = '{"camera": {"intrinsic": ' + str(vars(camera)).replace("'", '"') + "}}"
+    (folder / "camera.json").write_text(text)
+    return camera
+
+
+def codecs(folder: Path, frame: int, foggy: list[np.ndarray]) -> None:
+    read_rgb(folder / f"img/rgb/{frame}.png")
+    read_depth(folder / f"img/depth/{frame}.exr")
+    for image in foggy:
+        encode_png(image)
+
+
+def fog(folder: Path, frame: int, camera: Camera) -> list[bytes]:
+    paths = folder / f"img/rgb/{frame}.png", folder / f"img/depth/{frame}.exr"
+    clear = render.read_clear(*paths, *map(str, paths))
+    light, _ = render.airlight_of(clear.image, "keep")
+    lines = render.rays_of(clear, camera, "camera", "paper")
+    return [encode_png(image) for image in render.foggy(clear, lines, light, BETAS)]
+
+
+def naive(folder: Path, frame: int, camera: Camera, out: Path) -> None:
+    import OpenImageIO as oiio
+
+    def read(path: Path, kind: str) -> np.ndarray:
+        return oiio.ImageInput.open(str(path)).read_image(kind)
+
+    image = read(folder / f"img/rgb/{frame}.png", "uint8").astype(np.float64) / 255
+    depth = read(folder / f"img/depth/{frame}.exr", "float")[..., 0].astype(np.float64)
+    dark = image.min(axis=2)
+    padded = np.pad(dark, 7, constant_values=np.inf)
+    for axis in (0, 1):
+        padded = np.lib.stride_tricks.sliding_window_view(padded, 15, axis).min(axis=-1)
+    ranked = np.argsort(-padded.ravel(order="F"), kind="stable")[:1037]
+    colours = image.transpose(1, 0, 2).reshape(-1, 3)[ranked]
+    grey = colours @ (np.array(GREY) / 1e9)
+    light = colours[np.flatnonzero(grey == np.sort(grey)[grey.size // 2])[0]]
+    y, x = np.mgrid[1 : camera.resy + 1, 1 : camera.resx + 1]
+    distance = depth * np.sqrt((camera.fx**2 + (x - camera.u0) ** 2 + (y - camera.v0) ** 2) / camera.fx**2)
+    for beta in BETAS:
+        t = np.exp(-float(beta) * distance)[..., None]
+        levels = np.clip(np.floor(255 * (t * image + (1 - t) * light) + 0.5), 0, 255).astype(np.uint8)
+        writer = oiio.ImageOutput.create("image.png")
+        writer.open(str(out / f"{beta}.png"), oiio.ImageSpec(camera.resx, camera.resy, 3, "uint8"))
+        writer.write_image(levels)
+        writer.close()
+
+
+def cpu(call: Callable[[], object]) -> float:
+    started = time.thread_time()
+    call()
+    return time.thread_time() - started
+
+
+def command(folder: Path, out: Path, ids: str, jobs: int) -> tuple[float, float]:
+    """Wall seconds, and peak memory in MB of the first process."""
+    options = [f"--ids={ids}", f"--jobs={jobs}", f"--camera={folder / 'camera.json'}", f"--out={out}"]
+    betas = [f"--beta={beta}" for beta in BETAS]
+    call = [sys.executable, "-c", PROGRAM, "fog", "--synscapes", str(folder), *options, *betas]
+    started = time.perf_counter()
+    done = subprocess.run(call, capture_output=True, text=True, check=True)
+    return time.perf_counter() - started, int(done.stderr.split()[-1]) / 1000
+
+
+def line(name: str, value: str, target: str = "", good: bool = True) -> None:
+    verdict = f"{target}: {'reached' if good else 'NOT REACHED'}" if target else ""
+    print(f"{name:<46}{value:>16}   {verdict}".rstrip())
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--frames", type=int, default=100, help="frames of the runs of the command (default: 100)")
+    parser.add_argument("--rounds", type=int, default=12, help="times that codecs and fog are measured (default: 12)")
+    parser.add_argument("--samples", type=Path, default=Path("../shared/data"), help="folder of the real samples")
+    args = parser.parse_args()
+    render.keep_memory()
+    with tempfile.TemporaryDirectory() as name:
+        folder, out = Path(name) / "frames", Path(name) / "out"
+        out.mkdir()
+        camera = frames(folder, args.frames, args.samples)
+        foggy = {frame: [read_rgb(data) for data in fog(folder, frame, camera)] for frame in (1, 2)}
+        floor, ours = [], []
+        for _ in range(args.rounds):
+            floor.append(sum(cpu(lambda f=frame: codecs(folder, f, foggy[f])) for frame in foggy) / 2)
+            ours.append(sum(cpu(lambda f=frame: fog(folder, f, camera)) for frame in foggy) / 2)
+        light = estimate(read_rgb(folder / "img/rgb/1.png"))
+        slow = cpu(lambda: naive(folder, 1, camera, out))
+        same = all(
+            np.array_equal(read_rgb(out / f"{beta}.png"), image) for beta, image in zip(BETAS, foggy[1], strict=True)
+        )
+        over = float(np.median(np.array(ours) / np.array(floor)))
+        line("codecs, CPU ms a frame", f"{1e3 * np.median(floor):.1f}")
+        line("fog, CPU ms a frame", f"{1e3 * np.median(ours):.1f}")
+        line("  over codecs", f"{over:.3f}", f"at most {OVER_CODECS}", over <= OVER_CODECS)
+        line("naive, CPU ms a frame", f"{1e3 * slow:.0f}")
+        line(
+            "  over fog",
+            f"{slow / np.median(ours):.1f}",
+            f"at least {OVER_NAIVE}",
+            slow >= OVER_NAIVE * np.median(ours),
+        )
+        line(f"  its pixels (airlight {light.levels})", "equal" if same else "DIFFERENT", "0 different", same)
+        one, _ = command(folder, out / "1", f"1-{args.frames}", 1)
+        two, _ = command(folder, out / "2", f"1-{args.frames}", 2)
+        line("command, images/s, 1 process", f"{5 * args.frames / one:.1f}")
+        line("command, images/s, 2 processes", f"{5 * args.frames / two:.1f}")
+        line("  speed-up", f"{one / two:.2f}", f"at least {BY_TWO}", one >= BY_TWO * two)
+        few, many = (command(folder, out / f"m{count}", f"1-{count}", 1)[1] for count in (10, args.frames))
+        line("peak memory, MB, 10 frames", f"{few:.0f}", f"under {MEMORY}", few < MEMORY)
+        line(f"peak memory, MB, {args.frames} frames", f"{many:.0f}", f"under {MEMORY}", many < MEMORY)
+
+
+if __name__ == "__main__":
+    main()
