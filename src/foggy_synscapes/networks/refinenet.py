@@ -83,6 +83,22 @@ class RefineNet(Network):
         )
         self.dropout = nn.Dropout(0.5)
         self.head = convolution(config.decoder, config.classes, bias=True)
+        self._calm()
+
+    def _calm(self) -> None:
+        """Start every residual branch and the head ten times smaller.
+
+        Without batch norm the branches of the decoder add up, and training from random weights diverges at rates at
+        which it does not so. Weights that are loaded are not touched by this.
+        """
+        with torch.no_grad():
+            for module in self.levels.modules():
+                if isinstance(module, ResidualUnit):
+                    module.second.weight.mul_(0.1)
+                elif isinstance(module, ChainedPooling):
+                    for layer in module.links:
+                        layer.weight.mul_(0.1)
+            self.head.weight.mul_(0.1)
 
     def outputs(self, images: Tensor) -> list[Tensor]:
         maps = self.backbone(images)
