@@ -198,7 +198,9 @@ def test_unknown_id_is_an_error_that_names_file_and_id(folders, capsys):
 
 
 def test_the_wrong_encoding_is_refused(folders, capsys):
-    assert "does not exist in trainIds" in refused(folders, capsys, "--encoding", "trainIds")
+    message = refused(folders, capsys, "--encoding", "trainIds")
+    assert "does not exist in trainIds" in message
+    assert "--labels-encoding and --predictions-encoding tell them apart" in message
     assert "look like trainIds" in refused(folders, capsys, "--predictions-encoding", "labelIds")
 
 

@@ -96,6 +96,8 @@ def score(
         print(f"{labels}: {found.other_maps} files are not maps of the ids asked for and are left out")
     tally = count_pairs(labels, predictions, found.pairs, jobs)
     where = f"labels: {labels}, predictions: {predictions}"
+    if labels_encoding and labels_encoding == predictions_encoding:
+        where += f"; both were to be {labels_encoding}: --labels-encoding and --predictions-encoding tell them apart"
     asked = labels_encoding, predictions_encoding
     scores = _summary(tally, *asked, where, found.labels_named, found.predictions_named)
     _write_scores(out, scores)
