@@ -6,7 +6,7 @@ CORES ?= 2
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main test lock lint clean
+.PHONY: main test paper status lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -16,6 +16,17 @@ main: $(READY)
 test: $(READY)
 	@echo "== The tests: pytest"
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadfile
+
+# All tables and figures on a few pages, of whatever the main job made so far.
+paper:
+	@command -v pdflatex > /dev/null || { echo "make paper needs LaTeX. On Debian: apt-get install texlive-latex-recommended texlive-latex-extra"; exit 1; }
+	@mkdir -p results/paper
+	@pdflatex -interaction=nonstopmode -halt-on-error -output-directory=results/paper paper/article.tex > results/paper/article.out || { tail -n 30 results/paper/article.out; exit 1; }
+	@echo "== results/paper/article.pdf"
+
+# README.md and docs/status.md, from the tables that the main job made.
+status: $(READY)
+	@$(BIN)/python docs/make_status.py
 
 lint: $(READY)
 	@$(BIN)/ruff check .
