@@ -17,11 +17,15 @@ test: $(READY)
 	@echo "== The tests: pytest"
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadfile
 
-# All tables and figures on a few pages, of whatever the main job made so far.
-paper:
-	@command -v pdflatex > /dev/null || { echo "make paper needs LaTeX. On Debian: apt-get install texlive-latex-recommended texlive-latex-extra"; exit 1; }
-	@mkdir -p results/paper
-	@pdflatex -interaction=nonstopmode -halt-on-error -output-directory=results/paper paper/article.tex > results/paper/article.out || { tail -n 30 results/paper/article.out; exit 1; }
+# All tables and figures that are made so far, as a PDF. The dates are fixed, so that equal results give equal bytes.
+paper: $(READY)
+	@command -v pdflatex > /dev/null || { echo "make paper needs LaTeX; on Debian: apt-get install --no-install-recommends texlive-latex-base texlive-latex-recommended texlive-latex-extra" >&2; exit 1; }
+	@$(BIN)/foggy tables --published --out results/paper
+	@for pass in 1 2; do \
+		SOURCE_DATE_EPOCH=0 FORCE_SOURCE_DATE=1 pdflatex -halt-on-error -interaction=nonstopmode \
+			-output-directory results/paper paper/article.tex > results/paper/article.out \
+		|| { tail -n 20 results/paper/article.out >&2; exit 1; }; \
+	done
 	@echo "== results/paper/article.pdf"
 
 # README.md and docs/status.md, from the tables that the main job made.

@@ -19,7 +19,7 @@ NEEDS = {
     "FC-FS-498": "Cityscapes, Foggy Cityscapes, Synscapes",
 }
 # The mean that the paper prints: over 19 classes, of which Foggy Zurich annotates 18.
-PRINTED = "mean_iou_as_published"
+PRINTED = "mean IoU as published"
 
 
 def number(text: str) -> str:
@@ -51,7 +51,7 @@ def main() -> None:
             short.append([title, network, row, number(mean["published"]), number(mean["ours"]), needed])
             pairs = (cells[network, row, score] for score in scores)
             rows.append([network, row, *(f"{number(cell['published'])} / {number(cell['ours'])}" for cell in pairs)])
-        whole += ["", f"## {title}", table(["model", "row", *(score.replace("_", " ") for score in scores)], rows)]
+        whole += ["", f"## {title}", table(["model", "row", *scores], rows)]
     write_text("docs/status.md", "\n".join(whole) + "\n")
     head = ["test set", "model", "row", "paper", "stand-in", "to reproduce it you need"]
     readme = Path("README.md").read_text(encoding="utf-8")

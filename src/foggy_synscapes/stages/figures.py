@@ -147,7 +147,7 @@ def _fc_against_fs(params: Params, inputs: list[Path]) -> "Figure":
     expect(index, paths, "foggy_cityscapes")
     partly = [read_rgb(read_checked(folder / path, index[path]), path) for path in paths]
     shown = min(len(purely), len(partly))
-    title = f"Fog at β = {beta} / m on exact depth (above) and on completed disparity (below)"
+    title = f"β = {beta} / m on exact depth (above), on completed disparity (below)"
     return grid([purely[:shown], partly[:shown]], [""] * shown, ["Foggy Synscapes", "Foggy Cityscapes"], title=title)
 
 

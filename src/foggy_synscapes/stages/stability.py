@@ -1,0 +1,51 @@
+"""stability: fog, losses and scores at the extremes of their inputs, each against an answer known beforehand."""
+
+import argparse
+from pathlib import Path
+
+from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.tables import write_csv
+from foggy_synscapes.params import Params, load
+from foggy_synscapes.stability import fog_checks, other_checks
+from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
+
+HELP = "Check fog, airlight, learning rate, losses and scores at the extremes, in each number format."
+FOLDER = Path("results/stability")
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """This step has no options of its own."""
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the step from the command line."""
+    stability(load(args.params))
+
+
+def stability(params: Params) -> list[Check]:
+    """Write the table (CSV, LaTeX) and the plot (PNG, PDF) to results/stability, and return the checks."""
+    from foggy_synscapes.plotting.errors import errors
+    from foggy_synscapes.plotting.style import render
+    from foggy_synscapes.tabling.long import long_table
+
+    digits = params.stability.digits
+    checks = [*fog_checks.checks(digits), *other_checks.checks()]
+    outputs = [FOLDER / f"stability.{ending}" for ending in ("csv", "tex", "png", "pdf")]
+    rows = [check.row() for check in checks]
+    write_csv(outputs[0], COLUMNS, rows)
+    caption = f"Numbers at the extremes, against mpmath at {digits} digits."
+    write_text(outputs[1], long_table(COLUMNS, rows, caption, "table:stability"))
+    figure = errors(fog_checks.curves(digits))
+    for path in outputs[2:]:
+        write_bytes(path, render(figure, path.suffix[1:]))
+    write_run(
+        FOLDER / "run.json",
+        command=["foggy", "stability"],
+        params={"stability": params.stability.model_dump()},
+        inputs=[],
+        outputs=outputs,
+    )
+    failed = sum(check.verdict == FAILS for check in checks)
+    print(f"stability: {len(checks)} checks, {failed} of them fail; {outputs[0]}")
+    return checks

@@ -1,0 +1,29 @@
+"""Any rows of text as a LaTeX table that may run over several pages."""
+
+from collections.abc import Sequence
+
+from foggy_synscapes.tabling.latex import escape
+
+
+def long_table(columns: Sequence[str], rows: Sequence[Sequence[str]], caption: str, label: str) -> str:
+    """One `longtable` environment; needs the packages booktabs and longtable. Underscores of heads become spaces."""
+    head = " & ".join(rf"\textbf{{{escape(column.replace('_', ' '))}}}" for column in columns) + r" \\"
+    lines = [
+        r"% Needs \usepackage{booktabs,longtable}",
+        r"{\scriptsize\setlength{\tabcolsep}{3pt}",
+        rf"\begin{{longtable}}{{{'l' * len(columns)}}}",
+        rf"\caption{{{escape(caption)}}}\label{{{label}}}\\",
+        r"\toprule",
+        head,
+        r"\midrule",
+        r"\endfirsthead",
+        r"\toprule",
+        head,
+        r"\midrule",
+        r"\endhead",
+        r"\bottomrule",
+        r"\endfoot",
+        *(" & ".join(map(escape, row)) + r" \\" for row in rows),
+        r"\end{longtable}}",
+    ]
+    return "\n".join([*lines, ""])
