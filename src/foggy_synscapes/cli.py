@@ -19,6 +19,8 @@ PIPELINE = {
     "evaluate": "score a model on a test set; alone: score any PNG predictions",
     "tables": "make the mIoU tables (CSV, LaTeX, Markdown); alone: the published ones",
     "figures": "draw the figures",
+    "stability": "check the numbers at the extremes of their inputs",
+    "tradeoff": "weigh time against accuracy",
 }
 TOOLS = {
     "networks": "show the networks at their published size",

@@ -233,6 +233,20 @@ class Figures(Section):
     images: Count
 
 
+class Stability(Section):
+    """How numbers are checked at their extremes."""
+
+    digits: Annotated[int, Field(ge=20, le=200)]
+
+
+class Tradeoff(Section):
+    """How time is weighed against accuracy."""
+
+    betas: Annotated[list[Beta], Field(min_length=1)]
+    frames: Count
+    repeats: Count
+
+
 class Params(Section):
     """The whole experiment."""
 
@@ -244,6 +258,8 @@ class Params(Section):
     evaluate: Evaluate
     tables: Tables
     figures: Figures
+    stability: Stability
+    tradeoff: Tradeoff
 
     @model_validator(mode="after")
     def _sections_agree(self) -> "Params":

@@ -101,7 +101,7 @@ def _members(
         name = synscapes.foggy_name(frame, beta)
         if not is_whole_png(finished / name):
             light = Airlight(*(int(lights[frame][column]) for column in ("red", "green", "blue", "row", "column")))
-            clear = _clear(folder, frame, index)
+            clear = read_frame(folder, frame, index)
             lines = render.rays_of(clear, camera, f"{KEPT}, frame {frame}", params.fog.geometry)
             write_bytes(finished / name, encode_png(render.foggy(clear, lines, light, [beta])[0], params.fog.png_level))
             for doubt in clear.doubts(light):
@@ -122,7 +122,8 @@ def _frames(params: Params, shard: str) -> dict[int, Camera]:
     return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
 
 
-def _clear(folder: Path, frame: int, index: dict[str, str]) -> render.Clear:
+def read_frame(folder: Path, frame: int, index: dict[str, str]) -> render.Clear:
+    """Read a frame of Synscapes whose files have to be as they were indexed."""
     paths = synscapes.rgb(frame), synscapes.depth(frame)
     return render.read_clear(*(_read(folder, path, index) for path in paths), *(str(folder / path) for path in paths))
 

@@ -180,7 +180,7 @@ def _monotone(form: Format) -> Check:
 
 
 def _nothing_and_infinity(form: Format) -> Iterator[Check]:
-    """Thin fog over a long distance is opaque, and no fog is clear: unless one factor vanishes and the other overflows."""
+    """Thin fog over a long way is opaque, and no fog is clear: unless one factor vanishes and the other overflows."""
     for case, distance, beta, expected in (
         ("beta 1e-12, distance 1e38 m", 1e38, 1e-12, 0.0),
         ("beta 0, distance infinite", math.inf, 0.0, 1.0),

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foggy_synscapes.fog.variants import to_bfloat16
+
 
 @dataclass(frozen=True)
 class Format:
@@ -68,13 +70,6 @@ class Format:
             return np.clip(np.nan_to_num(level.astype(np.float64)), 0, 255).astype(np.uint8)
 
 
-def _to_bfloat16(values: np.ndarray) -> np.ndarray:
-    """Round float32 to the nearest bfloat16, ties to even; still stored as float32."""
-    bits = values.view(np.uint32).astype(np.uint64)
-    rounded = ((bits + 0x7FFF + ((bits >> 16) & 1)) & 0xFFFF0000).astype(np.uint32)
-    return np.where(np.isfinite(values), rounded.view(np.float32), values)
-
-
 def _as_it_is(values: np.ndarray) -> np.ndarray:
     return values
 
@@ -83,5 +78,5 @@ FORMATS = (
     Format("float64", 53, -1022, 1023, np.float64, _as_it_is),
     Format("float32", 24, -126, 127, np.float32, _as_it_is),
     Format("float16", 11, -14, 15, np.float16, _as_it_is),
-    Format("bfloat16", 8, -126, 127, np.float32, _to_bfloat16),
+    Format("bfloat16", 8, -126, 127, np.float32, to_bfloat16),
 )
