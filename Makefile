@@ -23,8 +23,8 @@ paper: $(READY)
 	@$(BIN)/foggy tables --published --out results/paper
 	@for pass in 1 2; do \
 		SOURCE_DATE_EPOCH=0 FORCE_SOURCE_DATE=1 pdflatex -halt-on-error -interaction=nonstopmode \
-			-output-directory results/paper paper/article.tex > results/paper/article.out \
-		|| { tail -n 20 results/paper/article.out >&2; exit 1; }; \
+			-output-directory results/paper paper/article.tex > results/paper/pdflatex.txt \
+		|| { tail -n 20 results/paper/pdflatex.txt >&2; exit 1; }; \
 	done
 	@echo "== results/paper/article.pdf"
 

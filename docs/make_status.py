@@ -4,10 +4,12 @@ Run by `make status` after the main job; nothing is typed in by hand.
 """
 
 import shutil
+from decimal import Decimal
 from pathlib import Path
 
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.tabling.numbers import round_half_up
 
 START, END = "<!-- status -->", "<!-- end of status -->"
 TITLES = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich-test"}
@@ -23,8 +25,13 @@ PRINTED = "mean IoU as published"
 
 
 def number(text: str) -> str:
-    """One decimal, or the sign for what was not run."""
-    return f"{float(text):.1f}" if text else "--"
+    """One decimal; `--` for what was not run."""
+    return str(round_half_up(Decimal(text))) if text else "--"
+
+
+def show(cell: dict[str, str]) -> str:
+    """Published / ours; a class that the test set does not hold has neither."""
+    return "-" if cell["ours"] == "-" else f"{number(cell['published'])} / {number(cell['ours'])}"
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
@@ -34,11 +41,12 @@ def table(head: list[str], rows: list[list[str]]) -> str:
 
 def main() -> None:
     """Rewrite both files and the picture of the README."""
-    short, whole = [], ["# Status of every published cell", ""]
+    short: list[list[str]] = []
+    whole = ["# Status of every published cell", ""]
     whole += [
-        "IoU in percent: published / on stand-in data by the default `params.yaml` (`--`: not run). Every cell needs its test",
-        "set and the training data that the README names beside its row. Stand-in scores are no reproduction: they say that",
-        "the cell is computed. Made by `make status` from `results/tables`.",
+        "IoU in percent: published / on stand-in data by the default `params.yaml` (`--`: not run). Every cell needs",
+        "its test set and the training data that the README names beside its row. Stand-in scores are no reproduction:",
+        "they say that the cell is computed. Made by `make status` from `results/tables`.",
     ]
     for test_set, title in TITLES.items():
         lines = [line for line in read_csv(f"results/tables/{test_set}.csv") if line["row"] in NEEDS]
@@ -50,7 +58,7 @@ def main() -> None:
             needed = f"{title}, {NEEDS[row]}"
             short.append([title, network, row, number(mean["published"]), number(mean["ours"]), needed])
             pairs = (cells[network, row, score] for score in scores)
-            rows.append([network, row, *(f"{number(cell['published'])} / {number(cell['ours'])}" for cell in pairs)])
+            rows.append([network, row, *(show(cell) for cell in pairs)])
         whole += ["", f"## {title}", table(["model", "row", *scores], rows)]
     write_text("docs/status.md", "\n".join(whole) + "\n")
     head = ["test set", "model", "row", "paper", "stand-in", "to reproduce it you need"]
