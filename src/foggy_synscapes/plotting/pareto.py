@@ -21,14 +21,18 @@ def pareto(points: Sequence[tuple[str, float, float]], front: Sequence[str], x: 
         best = sorted(places[name] for name in front)
         if best:
             axis.step(*zip(*best, strict=True), where="post", color=COLOURS[0], linewidth=1, label="Pareto front")
+        taken: list[tuple[float, float]] = []
         for name, place in places.items():
             chosen = name in front
+            # Names of points that lie on one another stand above and below.
+            crowded = any(place[1] == y and 0.7 < place[0] / x < 1.4 for x, y in taken)
+            taken.append(place)
             colour = COLOURS[0] if chosen else "0.45"
             axis.plot(*place, "o", color=colour, markerfacecolor=colour if chosen else "white", markersize=5)
             axis.annotate(
                 name,
                 place,
-                xytext=(4, 4),
+                xytext=(4, -10 if crowded else 4),
                 textcoords="offset points",
                 fontsize=7,
                 weight="bold" if chosen else "normal",

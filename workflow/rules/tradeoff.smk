@@ -1,0 +1,22 @@
+rule tradeoff:
+    """Weigh time against accuracy: `snakemake --cores 1 tradeoff`. Its times differ run by run, so `all` leaves it out."""
+    input:
+        index_parts("synscapes"),
+        kept="results/filter/kept.csv",
+        code=code("tradeoff"),
+    output:
+        "results/tradeoff/fog.csv",
+        "results/tradeoff/fog.tex",
+        "results/tradeoff/fog.md",
+        "results/tradeoff/fog.png",
+        "results/tradeoff/fog.pdf",
+        "results/tradeoff/run.json",
+    log:
+        "results/logs/tradeoff/tradeoff.log",
+    benchmark:
+        "results/benchmarks/tradeoff/tradeoff.tsv"
+    params:
+        tradeoff=section("tradeoff"),
+        scenes=section("scenes", "roots", "shards"),
+    shell:
+        "foggy tradeoff{PARAMS_OPTION} > {log:q} 2>&1"
