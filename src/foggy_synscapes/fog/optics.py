@@ -89,8 +89,6 @@ def foggy_images(
     array([[150, 150, 150],
            [200, 200, 200]], dtype=uint8)
     """
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
-        raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
     # Imported here: Numba takes half a second, and not all that reads this module renders fog.
     from foggy_synscapes.fog import kernel
 
