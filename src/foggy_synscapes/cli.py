@@ -28,6 +28,7 @@ TOOLS = {
     "trace": "show what a result was made from, down to the raw data",
     "unpack": "unpack fog shards into folders",
     "verify": "hash results again and compare with their run records",
+    "weights": "import public weights to start from or to score",
 }
 
 

@@ -98,7 +98,7 @@ class BiSeNet(Network):
         wide, narrow = decoder * 2, decoder // 2
         main, side = (narrow, wide) if torchseg else (wide, narrow)
 
-        self.backbone = ResNet(config.backbone, width)
+        self.backbone = ResNet(config.backbone, width, config.stride_in)
         self.spatial = nn.Sequential(
             Unit(3, width, 7, 2), Unit(width, width, 3, 2), Unit(width, width, 3, 2), Unit(width, decoder, 1)
         )

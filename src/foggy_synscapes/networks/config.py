@@ -26,6 +26,7 @@ class NetworkConfig:
     classes : number of output classes
     auxiliary : bisenet only: has the two heads that are used in training alone
     variant : bisenet only: "torchseg" or "coincheung", the two public formulations, see `bisenet.BiSeNet`
+    stride_in : which convolution of a bottleneck has the stride: "3x3" (torchvision) or "1x1" (Caffe, MatConvNet)
 
     Raises ValueError naming the field that cannot be.
     """
@@ -37,6 +38,7 @@ class NetworkConfig:
     classes: int = 19
     auxiliary: bool = True
     variant: str = "torchseg"
+    stride_in: str = "3x3"
 
     def __post_init__(self) -> None:
         if self.name not in NETWORKS:
@@ -45,6 +47,8 @@ class NetworkConfig:
             raise ValueError(f"backbone: {self.backbone!r}, expected one of {', '.join(BACKBONES)}")
         if self.variant not in ("torchseg", "coincheung"):
             raise ValueError(f"variant: {self.variant!r}, expected torchseg or coincheung")
+        if self.stride_in not in ("3x3", "1x1"):
+            raise ValueError(f"stride_in: {self.stride_in!r}, expected 3x3 or 1x1")
         for key, least in (("width", 1), ("decoder", 4), ("classes", 2)):
             value = getattr(self, key)
             if not isinstance(value, int) or value < least:

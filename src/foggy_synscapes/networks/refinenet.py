@@ -76,7 +76,7 @@ class RefineNet(Network):
     def __init__(self, config: NetworkConfig) -> None:
         super().__init__()
         self.config = config
-        self.backbone = ResNet(config.backbone, config.width)
+        self.backbone = ResNet(config.backbone, config.width, config.stride_in)
         channels = [config.decoder] * 3 + [config.decoder * 2]
         self.levels = nn.ModuleList(  # of strides 4, 8, 16 and 32
             Level(self.backbone.channels[i], channels[i], channels[i + 1] if i < 3 else None) for i in range(4)

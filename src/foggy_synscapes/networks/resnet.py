@@ -1,7 +1,6 @@
 """ResNet backbones that return the feature maps of their four stages.
 
-Source: He et al., Deep Residual Learning for Image Recognition, CVPR 2016. Parameter names are torchvision's, and
-so is the place of the stride in a bottleneck (its 3x3 convolution, not its first 1x1).
+Source: He et al., Deep Residual Learning for Image Recognition, CVPR 2016. Parameter names are torchvision's.
 """
 
 import torch
@@ -13,11 +12,12 @@ from foggy_synscapes.networks.config import BACKBONES
 class Block(nn.Module):
     """A residual block: two 3x3 convolutions, or a bottleneck of 1x1, 3x3 and 1x1 with four times the channels."""
 
-    def __init__(self, inputs: int, channels: int, stride: int, bottleneck: bool) -> None:
+    def __init__(self, inputs: int, channels: int, stride: int, bottleneck: bool, stride_in: str) -> None:
         super().__init__()
         outputs = channels * 4 if bottleneck else channels
+        first, second = (stride, 1) if stride_in == "1x1" else (1, stride)
         shapes = (
-            [(inputs, channels, 1, 1), (channels, channels, 3, stride), (channels, outputs, 1, 1)]
+            [(inputs, channels, 1, first), (channels, channels, 3, second), (channels, outputs, 1, 1)]
             if bottleneck
             else [(inputs, channels, 3, stride), (channels, outputs, 3, 1)]
         )
@@ -45,10 +45,11 @@ class ResNet(nn.Module):
     """The convolutional part of a ResNet.
 
     name : key of `BACKBONES`; width : channels of the first stage, 64 as published
+    stride_in : "3x3" or "1x1", see `NetworkConfig`
     channels : channels of the four outputs, of strides 4, 8, 16 and 32
     """
 
-    def __init__(self, name: str, width: int = 64) -> None:
+    def __init__(self, name: str, width: int = 64, stride_in: str = "3x3") -> None:
         super().__init__()
         depths, bottleneck = BACKBONES[name]
         self.conv1 = nn.Conv2d(3, width, 7, 2, padding=3, bias=False)
@@ -61,7 +62,7 @@ class ResNet(nn.Module):
             blocks = []
             for number in range(depth):
                 stride = 2 if stage > 0 and number == 0 else 1
-                blocks.append(Block(inputs, channels, stride, bottleneck))
+                blocks.append(Block(inputs, channels, stride, bottleneck, stride_in))
                 inputs = channels * 4 if bottleneck else channels
             self.add_module(f"layer{stage + 1}", nn.Sequential(*blocks))
             self.channels.append(inputs)

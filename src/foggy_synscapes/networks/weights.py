@@ -4,7 +4,7 @@ The file's metadata has one key, `foggy`, with sorted JSON: several keys would b
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import safetensors.torch
@@ -76,9 +76,16 @@ class Model:
 
 def dump(module: Network, preprocessing: Preprocessing) -> bytes:
     """The model file of a network: equal weights give equal bytes."""
-    about = {"format": FORMAT, "network": module.config.to_dict(), "preprocessing": asdict(preprocessing)}
-    tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in module.state_dict().items()}
-    return safetensors.torch.save(tensors, {KEY: json.dumps(about, sort_keys=True)})
+    return dump_tensors(module.state_dict(), module.config, preprocessing)
+
+
+def dump_tensors(
+    tensors: dict[str, Tensor], config: NetworkConfig, preprocessing: Preprocessing, part: str = "network"
+) -> bytes:
+    """A file of weights; part : "network", "backbone" or "some", of which the rest starts at random (`load_start`)."""
+    about = {"format": FORMAT, "part": part, "network": config.to_dict(), "preprocessing": asdict(preprocessing)}
+    plain = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
+    return safetensors.torch.save(plain, {KEY: json.dumps(about, sort_keys=True)})
 
 
 def load_model(data: bytes) -> Model:
@@ -87,18 +94,48 @@ def load_model(data: bytes) -> Model:
     Raises
     ------
     ValueError
-        If it is no safetensors file, was cut off, was not made by this project, or its tensors do not fit its config.
+        If it is no safetensors file, was cut off, was not made by this project, is not of a whole network, or its
+        tensors do not fit its config.
     """
-    about, tensors = read_tensors(data, KEY)
-    if about.get("format") != FORMAT:
-        raise ValueError(f"model file of format {about.get('format')!r}, expected {FORMAT}: made by another version?")
-    config = NetworkConfig.from_dict(about["network"])
-    preprocessing = Preprocessing(**{**about["preprocessing"], **_tuples(about["preprocessing"])})
+    part, config, preprocessing, tensors = _read(data)
+    if part != "network":
+        raise ValueError(
+            "weights of a part of a network, from which training can start; no whole model to predict with"
+        )
     with torch.device("meta"):
         network = build(config)
     check_fit(network, tensors)
     network.load_state_dict(tensors, strict=True, assign=True)
     return Model(network.to(memory_format=torch.channels_last).eval(), preprocessing)
+
+
+def load_start(data: bytes, wanted: NetworkConfig) -> Model:
+    """A network to train from a file of weights, or of a part of them; the rest is random, as `build` leaves it.
+
+    wanted : the network to train. The formulation (`variant`, `stride_in`) is the file's: its weights were made for it.
+
+    Raises ValueError as `load_model` does, and if the file's sizes are not those of the wanted network.
+    """
+    part, config, preprocessing, tensors = _read(data)
+    sizes = ("backbone", "width") if part == "backbone" else ("name", "backbone", "width", "decoder", "classes")
+    different = [f"{key} {getattr(config, key)}, wanted {getattr(wanted, key)}" for key in sizes
+                 if getattr(config, key) != getattr(wanted, key)]  # fmt: skip
+    if different:
+        raise ValueError(f"weights of another network: {'; '.join(different)}")
+    network = build(replace(wanted, variant=config.variant, stride_in=config.stride_in))
+    if part == "network" and config.auxiliary == wanted.auxiliary:
+        assign_values(network, tensors)
+    else:
+        assign_values(network, {**network.state_dict(), **tensors})
+    return Model(network, preprocessing)
+
+
+def _read(data: bytes) -> tuple[str, NetworkConfig, Preprocessing, dict[str, Tensor]]:
+    about, tensors = read_tensors(data, KEY)
+    if about.get("format") != FORMAT:
+        raise ValueError(f"model file of format {about.get('format')!r}, expected {FORMAT}: made by another version?")
+    preprocessing = Preprocessing(**{**about["preprocessing"], **_tuples(about["preprocessing"])})
+    return about["part"], NetworkConfig.from_dict(about["network"]), preprocessing, tensors
 
 
 def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:

@@ -163,29 +163,29 @@ def _set_threads(threads: int) -> None:
 
 
 def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int) -> "Model":
-    """The network with its start weights: random ones of the seed, or those of a model file."""
+    """The network with its start weights: random ones of the seed, or those of a file of weights."""
     import torch
 
     from foggy_synscapes.networks.build import build
     from foggy_synscapes.networks.config import NetworkConfig
-    from foggy_synscapes.networks.weights import Model, Preprocessing, load_model
+    from foggy_synscapes.networks.weights import Model, Preprocessing, load_start
     from foggy_synscapes.training.streams import torch_seed
 
     config = NetworkConfig(
         network, settings.backbone, settings.width, settings.decoder, len(CLASSES), auxiliary=network == "bisenet"
     )
+    # What the start weights lack, or all of them, is drawn from the seed.
+    torch.manual_seed(torch_seed(seed, "start"))
     if start == NO_WEIGHTS:
-        torch.manual_seed(torch_seed(seed, "start"))
         return Model(build(config), Preprocessing())
     try:
-        model = load_model(Path(start).read_bytes())
+        return load_start(Path(start).read_bytes(), config)
     except OSError as error:
-        raise FoggyError(f"{start}: the start weights cannot be read: {error.strerror}. Train row C first.") from error
+        raise FoggyError(
+            f"{start}: the start weights cannot be read: {error.strerror}. Train row {BASELINE} first, or import them."
+        ) from error
     except ValueError as error:
         raise FoggyError(f"{start}: {error}") from error
-    if model.config != config:
-        raise FoggyError(f"{start}: holds {model.config}, but params ask for {config}. Train it again, or edit params.")
-    return model
 
 
 def _plan(params: Params, length: Duration, validate: Duration, images: int, batch: int, seed: int) -> Any:
