@@ -234,7 +234,7 @@ def test_a_loss_that_is_no_number_names_the_images(project, capsys):
 def test_a_baseline_of_another_width_is_refused(project, capsys):
     assert train() == 0
     project(("bisenet", "width"), 8)
-    refused(capsys, "model.safetensors", "width=4", "width=8", row="FC-498")
+    refused(capsys, "model.safetensors", "width 4, wanted 8", row="FC-498")
 
 
 def test_a_missing_baseline_is_named(project, capsys):
@@ -269,3 +269,22 @@ def test_no_training_and_no_weights_is_a_contradiction(project, capsys):
     project(("bisenet", "baseline"), None)
     assert train() == 1
     assert "baseline: null takes the model in `weights` as row C, but weights is none" in capsys.readouterr().err
+
+
+def test_an_imported_backbone_is_a_start(project, capsys):
+    import torch
+
+    from foggy_synscapes.networks import NetworkConfig
+    from foggy_synscapes.networks.build import build
+
+    source = build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4)).backbone
+    torch.save(source.state_dict(), "resnet18.pth")
+    assert main(["weights", "import", "resnet18.pth", "--network", "bisenet", "--out", "start.safetensors"]) == 0
+    assert "backbone of bisenet on resnet18" in capsys.readouterr().out
+    assert train() == 0
+    random = hashes()["model.safetensors"]
+    project(("bisenet", "weights"), "start.safetensors")
+    assert train() == 0
+    assert hashes()["model.safetensors"] != random
+    record = json.loads(Path("results/train/bisenet/C/seed-0/run.json").read_text())
+    assert "start.safetensors" in record["inputs"]
