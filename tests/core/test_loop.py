@@ -11,7 +11,6 @@ from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Preprocessing, dump
 from foggy_synscapes.training import loop
 from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
-from foggy_synscapes.training.loader import Samples
 from foggy_synscapes.training.policy import Policy
 
 BISENET = NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=4)
@@ -48,6 +47,19 @@ def one_thread():
     torch.set_num_threads(before)
 
 
+class Samples:
+    """Samples that are in memory."""
+
+    def __init__(self, found):
+        self.found, self.count = found, len(found)
+
+    def load(self, index):
+        return self.found[index]
+
+    def name(self, index):
+        return f"image {index}"
+
+
 def samples(count=5, seed=0):
     """Blocks of four classes, each of its own colour."""
     random = np.random.default_rng(seed)
@@ -56,7 +68,7 @@ def samples(count=5, seed=0):
     for _ in range(count):
         labels = np.kron(random.integers(0, 4, (3, 3)), np.ones((16, 16))).astype(np.uint8)
         found.append((palette[labels], labels))
-    return Samples(found.__getitem__, "image {}".format, count)
+    return Samples(found)
 
 
 class Killed(Exception):
@@ -195,7 +207,7 @@ def test_zero_iterations_are_an_error():
 
 
 def test_validation_without_a_labelled_pixel_is_an_error():
-    blank = Samples(lambda i: (np.zeros((32, 32, 3), np.uint8), np.full((32, 32), 255, np.uint8)), str, 2)
+    blank = Samples([(np.zeros((32, 32, 3), np.uint8), np.full((32, 32), 255, np.uint8))] * 2)
     with pytest.raises(ValueError, match="labelled"):
         train(validation=blank)
 
@@ -203,5 +215,5 @@ def test_validation_without_a_labelled_pixel_is_an_error():
 def test_images_of_any_and_of_mixed_size_are_validated():
     sizes = [(33, 40), (33, 40), (40, 47)]
     found = [(np.zeros((*size, 3), np.uint8), np.zeros(size, np.uint8)) for size in sizes]
-    _, curve = train(validation=Samples(found.__getitem__, str, 3))
+    _, curve = train(validation=Samples(found))
     assert curve[-1][4] is not None

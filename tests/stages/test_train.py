@@ -288,3 +288,39 @@ def test_an_imported_backbone_is_a_start(project, capsys):
     assert hashes()["model.safetensors"] != random
     record = json.loads(Path("results/train/bisenet/C/seed-0/run.json").read_text())
     assert "start.safetensors" in record["inputs"]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_file_that_vanishes_while_it_trains_is_named(project, monkeypatch, capsys, workers):
+    from foggy_synscapes.datasets import listed
+
+    project(("cache",), 0)
+    project(("workers",), workers)
+    project(("snapshot",), 100)
+    first = listed.Listed.__init__
+
+    def vanish(self, path, *arguments):
+        first(self, path, *arguments)
+        Path("results/scenes/cityscapes/image_2.png").unlink(missing_ok=True)
+
+    monkeypatch.setattr(listed.Listed, "__init__", vanish)
+    refused(capsys, "image_2.png", "cannot be read")
+
+
+def test_memory_that_does_not_do_names_the_setting(project, monkeypatch, capsys):
+    from foggy_synscapes.training import loop
+
+    def train_in_little_memory(*_arguments, **_more):
+        raise RuntimeError("[enforce fail at alloc_cpu.cpp] DefaultCPUAllocator: can't allocate memory")
+
+    monkeypatch.setattr(loop, "train", train_in_little_memory)
+    refused(capsys, "not enough memory", "train.bisenet.*.accumulate")
+
+
+def test_a_public_model_is_row_c_where_the_baseline_is_not_trained(project, capsys):
+    assert train() == 0
+    Path("results/train/bisenet/C/seed-0/model.safetensors").rename("public.safetensors")
+    project(("bisenet", "weights"), "public.safetensors")
+    project(("bisenet", "baseline"), None)
+    assert train() == 0
+    assert sha256("public.safetensors") == hashes()["model.safetensors"]

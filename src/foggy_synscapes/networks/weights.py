@@ -109,14 +109,17 @@ def load_model(data: bytes) -> Model:
     return Model(network.to(memory_format=torch.channels_last).eval(), preprocessing)
 
 
-def load_start(data: bytes, wanted: NetworkConfig) -> Model:
+def load_start(data: bytes, wanted: NetworkConfig, whole: bool = False) -> Model:
     """A network to train from a file of weights, or of a part of them; the rest is random, as `build` leaves it.
 
     wanted : the network to train. The formulation (`variant`, `stride_in`) is the file's: its weights were made for it.
+    whole : refuse a part of a network; auxiliary heads, which predictions do not use, may be missing still
 
     Raises ValueError as `load_model` does, and if the file's sizes are not those of the wanted network.
     """
     part, config, preprocessing, tensors = _read(data)
+    if whole and part != "network":
+        raise ValueError("weights of a part of a network, from which training can start, but no whole model")
     sizes = ("backbone", "width") if part == "backbone" else ("name", "backbone", "width", "decoder", "classes")
     different = [f"{key} {getattr(config, key)}, wanted {getattr(wanted, key)}" for key in sizes
                  if getattr(config, key) != getattr(wanted, key)]  # fmt: skip

@@ -8,23 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from foggy_synscapes.datasets.labels import CLASSES, to_train_ids
+from foggy_synscapes.datasets.labels import CLASSES
+from foggy_synscapes.datasets.listed import Listed
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.runs import write_run
-from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.progress import progress
 from foggy_synscapes.training_params import Duration, NetworkSettings
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.training.loader import Samples
 
 HELP = "Train a network on a row's list, from its own weights or from the baseline; goes on where it was interrupted."
 FOLDER = Path("results/train")
@@ -84,7 +80,9 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     start = FOLDER / network / BASELINE / f"seed-{seed}" / "model.safetensors" if fine_tuned else settings.weights
 
     model = _start(settings, network, start, int(seed))
-    training, validation = _samples(params, lists)
+    reader, budget = Reader({name: root(params, name) for name in DATASETS}), params.train.cache * 2**20
+    training = Listed(lists["train"], reader, budget)
+    validation = Listed(lists["validation"], reader, budget - training.held)
     record = _record(params, settings, network, row, fine_tuned)
     inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
     identity = {"params": record, "seed": seed, "inputs": {Path(path).as_posix(): sha256(path) for path in inputs}}
@@ -112,6 +110,13 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
         ) from error
     except ValueError as error:
         raise FoggyError(f"{network} {row}: {error}") from error
+    except RuntimeError as error:
+        if "memory" not in str(error):
+            raise
+        raise FoggyError(
+            f"{network} {row}: not enough memory for batches of {policy.batch} crops of {policy.crop[0]} x "
+            f"{policy.crop[1]} pixels. Raise train.{network}.*.accumulate, or lower batch or crop."
+        ) from error
     model.network.load_state_dict(outcome.best)
     _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs)
     snapshot.unlink(missing_ok=True)
@@ -125,7 +130,7 @@ def _take_weights(params: Params, settings: NetworkSettings, network: str, row: 
     """Make the start weights themselves the model of a row: a public model that needs no training here."""
     from foggy_synscapes.networks.weights import dump
 
-    model = _start(settings, network, settings.weights, int(seed))
+    model = _start(settings, network, settings.weights, int(seed), whole=True)
     record = _record(params, settings, network, row, fine_tuned=False)
     _finish(network, row, seed, dump(model.network, model.preprocessing), [], record, [settings.weights])
     print(f"train {network} {row}: the model is {settings.weights}; its params say that it is not trained")
@@ -162,8 +167,8 @@ def _set_threads(threads: int) -> None:
     torch.utils.deterministic.fill_uninitialized_memory = False
 
 
-def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int) -> "Model":
-    """The network with its start weights: random ones of the seed, or those of a file of weights."""
+def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int, whole: bool = False) -> "Model":
+    """The network with its start weights: random ones of the seed, or those of a file; `whole`: no random ones."""
     import torch
 
     from foggy_synscapes.networks.build import build
@@ -179,7 +184,7 @@ def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int
     if start == NO_WEIGHTS:
         return Model(build(config), Preprocessing())
     try:
-        return load_start(Path(start).read_bytes(), config)
+        return load_start(Path(start).read_bytes(), config, whole)
     except OSError as error:
         raise FoggyError(
             f"{start}: the start weights cannot be read: {error.strerror}. Train row {BASELINE} first, or import them."
@@ -225,44 +230,3 @@ def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:
         bar.update(done * batch - bar.n)
 
     return report
-
-
-def _samples(params: Params, lists: dict[str, Path]) -> tuple["Samples", "Samples"]:
-    """Training and validation samples; decoded ones stay in memory while they fit into `train.cache`."""
-    from foggy_synscapes.training.loader import Samples
-
-    reader = Reader({name: root(params, name) for name in DATASETS})
-    budget = params.train.cache * 2**20
-    found = []
-    for name, path in lists.items():
-        rows = read_csv(path, ("image", "image_sha256", "label", "label_sha256"))
-        if not rows:
-            raise FoggyError(f"{path}: lists no image")
-        memory: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        for index in progress(range(len(rows)), f"read {name} list"):
-            sample = _load(reader, rows[index])
-            budget -= sample[0].nbytes + sample[1].nbytes
-            if budget < 0:
-                break
-            memory[index] = sample
-
-        def get(index: int, rows: list = rows, memory: dict = memory) -> "tuple[np.ndarray, np.ndarray]":
-            return memory[index] if index in memory else _load(reader, rows[index])
-
-        found.append(Samples(get, lambda index, rows=rows: rows[index]["image"], len(rows)))
-    return found[0], found[1]
-
-
-def _load(reader: Reader, row: dict[str, str]) -> "tuple[np.ndarray, np.ndarray]":
-    """Decode one sample of a list, checked against its hashes and against the label encoding."""
-    image = read_rgb(reader.read(row["image"], row["image_sha256"]), row["image"])
-    ids = read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])
-    if image.shape[:2] != ids.shape:
-        raise FoggyError(
-            f"{row['label']}: {ids.shape[0]} x {ids.shape[1]} pixels, but {row['image']} has "
-            f"{image.shape[0]} x {image.shape[1]}. Do they belong together?"
-        )
-    try:
-        return image, to_train_ids(ids, row["label"])
-    except ValueError as error:
-        raise FoggyError(str(error)) from error

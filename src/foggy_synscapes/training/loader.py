@@ -1,7 +1,8 @@
 """Batches of augmented samples, from this process or from loader workers: the same either way."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -16,13 +17,14 @@ from foggy_synscapes.training.streams import generator
 Sample = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3) and labels uint8 (H, W), trainIds
 
 
-@dataclass(frozen=True)
-class Samples:
-    """What to learn from: `load(index)` gives a sample, for indices below `count`; `name(index)` is for messages."""
+class Samples(Protocol):
+    """What to learn from: samples by index below `count`, and their names for messages."""
 
-    load: Callable[[int], Sample]
-    name: Callable[[int], str]
     count: int
+
+    def load(self, index: int) -> Sample: ...
+
+    def name(self, index: int) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -68,9 +70,10 @@ def batches(steps: Steps, workers: int, pinned: bool = False) -> Iterator[Batch]
     pinned : put them in page-locked memory, from which CUDA copies faster
     """
     if workers == 0:
-        return iter(steps)
+        yield from steps
+        return
     loader = DataLoader(
-        steps,
+        Carried(steps),
         batch_size=None,
         num_workers=workers,
         pin_memory=pinned,
@@ -78,7 +81,26 @@ def batches(steps: Steps, workers: int, pinned: bool = False) -> Iterator[Batch]
         # The loader draws a seed for its workers; it must not draw from the generator that dropout uses.
         generator=torch.Generator(),
     )
-    return iter(loader)
+    for batch in loader:
+        if isinstance(batch, Exception):
+            raise batch
+        yield batch
+
+
+class Carried(Dataset):
+    """Items of a data set, or the error instead: raised in a worker, its message would drown in a traceback."""
+
+    def __init__(self, steps: Steps) -> None:
+        self.steps = steps
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    def __getitem__(self, item: int) -> Batch | Exception:
+        try:
+            return self.steps[item]
+        except Exception as error:
+            return error
 
 
 def _one_thread(_worker: int) -> None:

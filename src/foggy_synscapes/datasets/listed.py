@@ -1,0 +1,71 @@
+"""The images and label maps of a list of `subset`, decoded and checked."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from foggy_synscapes.datasets.labels import to_train_ids
+from foggy_synscapes.datasets.uris import Reader
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.images import read_ids, read_rgb
+from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.progress import progress
+
+COLUMNS = ("image", "image_sha256", "label", "label_sha256")
+
+Pair = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3) and labels uint8 (H, W), trainIds
+
+
+class Listed:
+    """A list's samples by index; decoded ones stay in memory while they fit into a budget.
+
+    path : CSV with `COLUMNS`; reader : reads what it names; budget : bytes
+    count : samples in the list; held : bytes that stay in memory
+
+    Raises FoggyError if the list is empty or cannot be read, and on what `load` refuses in the samples that are kept.
+    """
+
+    def __init__(self, path: Path, reader: Reader, budget: int) -> None:
+        self._rows = read_csv(path, COLUMNS)
+        if not self._rows:
+            raise FoggyError(f"{path}: lists no image")
+        self._reader = reader
+        self._memory: dict[int, Pair] = {}
+        self.count, self.held = len(self._rows), 0
+        for index in progress(range(self.count), f"read {path.parent.name} {path.stem}"):
+            pair = _decode(reader, self._rows[index])
+            if self.held + _size(pair) > budget:
+                break
+            self._memory[index] = pair
+            self.held += _size(pair)
+
+    def load(self, index: int) -> Pair:
+        """Image and trainIds of a sample.
+
+        Raises FoggyError if a file is missing, changed since it was listed, no image, or no map of labelIds; or if the
+        two are not of one size.
+        """
+        return self._memory[index] if index in self._memory else _decode(self._reader, self._rows[index])
+
+    def name(self, index: int) -> str:
+        """URI of a sample's image."""
+        return self._rows[index]["image"]
+
+
+def _decode(reader: Reader, row: Mapping[str, str]) -> Pair:
+    image = read_rgb(reader.read(row["image"], row["image_sha256"]), row["image"])
+    ids = read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])
+    if image.shape[:2] != ids.shape:
+        raise FoggyError(
+            f"{row['label']}: {ids.shape[0]} x {ids.shape[1]} pixels, but {row['image']} has "
+            f"{image.shape[0]} x {image.shape[1]}. Do they belong together?"
+        )
+    try:
+        return image, to_train_ids(ids, row["label"])
+    except ValueError as error:
+        raise FoggyError(str(error)) from error
+
+
+def _size(pair: Pair) -> int:
+    return pair[0].nbytes + pair[1].nbytes
