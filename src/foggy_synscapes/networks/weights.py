@@ -39,11 +39,15 @@ class Preprocessing:
             raise ValueError(f"preprocessing: mean {self.mean} and std {self.std}, expected three each, std above 0")
 
     def apply(self, images: Tensor) -> Tensor:
-        """uint8 (B, 3, H, W) in RGB order -> float32 of the same shape."""
-        mean, std = (torch.tensor(values, device=images.device).view(1, 3, 1, 1) for values in (self.mean, self.std))
+        """uint8 (B, 3, H, W) in RGB order -> float32 of the same shape, pixel by pixel in memory."""
         if self.channels == "BGR":
             images = images.flip(1)
-        return images.to(torch.float32).mul_(self.scale).sub_(mean).div_(std)
+        batch, _, height, width = images.shape
+        std, mean = (torch.tensor(values, dtype=torch.float64) for values in (self.std, self.mean))
+        # Constants as long as a row: with three of them the innermost loop would have three steps only.
+        factor, offset = (values.float().repeat(width).to(images.device) for values in (self.scale / std, -mean / std))
+        rows = images.permute(0, 2, 3, 1).reshape(batch, height, width * 3).to(torch.float32)
+        return rows.mul_(factor).add_(offset).view(batch, height, width, 3).permute(0, 3, 1, 2)
 
 
 @dataclass

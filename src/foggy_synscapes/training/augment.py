@@ -41,15 +41,19 @@ def augment(
     window = [max(1, round(side / factor)) for side in crop]
     rows, columns = (_span(size, part, place) for size, part, place in zip(labels.shape, window, corners, strict=True))
     image, labels = _cut(image, rows, columns, FILL), _cut(labels, rows, columns, IGNORE)
+    pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
     if tuple(window) != tuple(crop):
-        pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
         pixels = functional.interpolate(pixels, size=crop, mode="bilinear", align_corners=False)
-        image = pixels[0].permute(1, 2, 0).numpy()
-        nearest = ((np.arange(out) + 0.5) * part / out for out, part in zip(crop, window, strict=True))
-        labels = labels[np.ix_(*(places.astype(np.intp) for places in nearest))]
+        rows, columns = (_nearest(out, part) for out, part in zip(crop, window, strict=True))
+        labels = labels[rows][:, columns]
     if flip and mirrored:
-        image, labels = image[:, ::-1], labels[:, ::-1]
-    return np.ascontiguousarray(image), np.ascontiguousarray(labels)
+        pixels, labels = pixels.flip(3), labels[:, ::-1]
+    return np.ascontiguousarray(pixels[0].permute(1, 2, 0).numpy()), np.ascontiguousarray(labels)
+
+
+def _nearest(out: int, part: int) -> np.ndarray:
+    """Which of `part` pixels lies under the centre of each of `out` pixels along one axis."""
+    return ((np.arange(out) + 0.5) * part / out).astype(np.intp)
 
 
 def _span(size: int, part: int, place: float) -> tuple[int, int]:
@@ -65,7 +69,9 @@ def _cut(array: np.ndarray, rows: tuple[int, int], columns: tuple[int, int], fil
     inside = array[max(top, 0) : min(bottom, height), max(left, 0) : min(right, width)]
     if inside.shape[:2] == (bottom - top, right - left):
         return inside
-    whole = np.empty((bottom - top, right - left, *array.shape[2:]), array.dtype)
-    whole[...] = fill
+    # Row by row: a fill of three values, pixel by pixel, takes many times as long.
+    row = np.empty((1, right - left, *array.shape[2:]), array.dtype)
+    row[...] = fill
+    whole = row.repeat(bottom - top, axis=0)
     whole[max(-top, 0) :, max(-left, 0) :][: inside.shape[0], : inside.shape[1]] = inside
     return whole

@@ -1,0 +1,126 @@
+"""How fast a training step is: python benchmarks/train.py [--params params.yaml] [--rounds 6] [--steps 20]
+
+For each network at the size and policy that the params give its baseline, on random images in memory:
+  step     one step of the training loop, with order, augmentation, schedule, checks and curve
+  plain    forward, backward and optimiser step alone, on one ready batch: the floor
+  samples  drawing a batch: order, augmentation, collation; what a loader worker would take off the step
+CPU milliseconds, medians; the loops are measured in turn, so that all meet the same machine. Target: step at most 5 %
+above plain.
+"""
+
+import argparse
+import os
+import statistics
+import time
+from pathlib import Path
+
+from foggy_synscapes.params import load
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--params", type=Path, default=Path("params.yaml"))
+parser.add_argument("--rounds", type=int, default=6)
+parser.add_argument("--steps", type=int, default=20, help="steps a round")
+arguments = parser.parse_args()
+params = load(arguments.params)
+os.environ["OMP_NUM_THREADS"] = str(params.train.threads)
+
+import numpy as np  # noqa: E402
+import torch  # noqa: E402
+
+from foggy_synscapes.networks import NetworkConfig  # noqa: E402
+from foggy_synscapes.networks.build import build  # noqa: E402
+from foggy_synscapes.networks.weights import Preprocessing  # noqa: E402
+from foggy_synscapes.training import loop, losses  # noqa: E402
+from foggy_synscapes.training.forward import Arithmetic, forward  # noqa: E402
+from foggy_synscapes.training.loader import Steps  # noqa: E402
+from foggy_synscapes.training.policy import Policy, parameter_groups, set_training  # noqa: E402
+
+
+class Noise:
+    """Random images of the stand-in's size, in memory."""
+
+    count = 64
+
+    def __init__(self) -> None:
+        random, size = np.random.default_rng(0), tuple(params.scenes.stand_in.size)
+        self.samples = [
+            (random.integers(0, 256, (*size, 3), np.uint8), random.integers(0, 19, size, np.uint8)) for _ in range(64)
+        ]
+
+    def load(self, index: int) -> tuple[np.ndarray, np.ndarray]:
+        return self.samples[index]
+
+    def name(self, index: int) -> str:
+        return str(index)
+
+
+def measure(name: str) -> None:
+    settings = getattr(params.train, name)
+    policy = Policy(**settings.baseline.model_dump(include=set(Policy.__dataclass_fields__)))
+    arithmetic = Arithmetic("cpu", params.train.precision, params.train.memory_format)
+    network = build(NetworkConfig(name, settings.backbone, settings.width, settings.decoder))
+    noise, preprocessing = Noise(), Preprocessing()
+    steps: dict[str, list[float]] = {"step": [], "plain": [], "samples": []}
+
+    def clock(kind: str) -> float:
+        now = time.process_time()
+        steps[kind].append(now - clock.last)
+        clock.last = time.process_time()
+        return now
+
+    def whole(count: int) -> None:
+        plan = loop.Plan(count, count, 10, count, 0, 0)
+        one = Noise()
+        one.count = 1
+        clock.last = time.process_time()
+        loop.train(
+            network, preprocessing, policy, plan, arithmetic, noise, one, lambda _: None, {},
+            report=lambda *_: clock("step"),
+        )  # fmt: skip
+        del steps["step"][-1]  # validates
+        del steps["step"][-(count - 1)]  # begins
+
+    def plain(count: int) -> None:
+        set_training(network, policy)
+        optimiser = torch.optim.SGD(parameter_groups(network, policy), lr=1e-4, momentum=policy.momentum)
+        batch = Steps(noise, policy, 0, 0, 1)[0]
+        with torch.no_grad():
+            _, targets = forward(network, preprocessing, arithmetic, policy.loss_stride, batch.images, batch.labels)
+        inputs = preprocessing.apply(batch.images).contiguous(memory_format=arithmetic.layout())
+        for _ in range(count):
+            clock.last = time.process_time()
+            optimiser.zero_grad(set_to_none=True)
+            with torch.autocast("cpu", torch.bfloat16, enabled=arithmetic.precision == "bfloat16"):
+                outputs = network.outputs(inputs)
+            loss = losses.total(
+                outputs, targets, network.corners, policy.loss, policy.ohem_threshold, policy.ohem_kept,
+                policy.auxiliary_weight,
+            )  # fmt: skip
+            loss.backward()
+            optimiser.step()
+            clock("plain")
+
+    def samples(count: int) -> None:
+        drawn = Steps(noise, policy, 0, 0, count)
+        clock.last = time.process_time()
+        for _ in drawn:
+            clock("samples")
+
+    plain(3)
+    for kind in steps:
+        steps[kind].clear()
+    for _ in range(arguments.rounds):
+        whole(arguments.steps)
+        plain(arguments.steps)
+        samples(arguments.steps)
+    middle = {kind: 1000 * statistics.median(values) for kind, values in steps.items()}
+    over = middle["step"] / middle["plain"]
+    figures = ", ".join(f"{kind} {value:.1f} ms" for kind, value in middle.items())
+    print(f"{name}: {figures}; step is {over:.2f} of plain ({'good' if over <= 1.05 else 'above 1.05'})")
+
+
+torch.set_num_threads(params.train.threads)
+torch.use_deterministic_algorithms(True)
+torch.utils.deterministic.fill_uninitialized_memory = False
+for network_name in params.train.networks:
+    measure(network_name)
