@@ -25,6 +25,7 @@ from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.fog.airlight import GREY, estimate
 from foggy_synscapes.fogging import render
 from foggy_synscapes.io.images import encode_depth, encode_png, read_depth, read_rgb
+from foggy_synscapes.io.photographs import encode_photograph
 
 BETAS = ["0.005", "0.01", "0.02", "0.03", "0.06"]
 CAMERA = Camera(fx=1590.8, fy=1592.8, u0=771.3, v0=360.8, resx=1440, resy=720)
@@ -76,7 +77,7 @@ def codecs(folder: Path, frame: int, foggy: list[np.ndarray]) -> None:
     read_rgb(folder / f"img/rgb/{frame}.png")
     read_depth(folder / f"img/depth/{frame}.exr")
     for image in foggy:
-        encode_png(image)
+        encode_photograph(image)
 
 
 def fog(folder: Path, frame: int, camera: Camera) -> list[bytes]:
@@ -84,7 +85,7 @@ def fog(folder: Path, frame: int, camera: Camera) -> list[bytes]:
     clear = render.read_clear(*paths, *map(str, paths))
     light, _ = render.airlight_of(clear.image, "keep")
     lines = render.rays_of(clear, camera, "camera", "paper")
-    return [encode_png(image) for image in render.foggy(clear, lines, light, BETAS)]
+    return list(render.foggy_pngs(clear, lines, light, BETAS, 0))
 
 
 def naive(folder: Path, frame: int, camera: Camera, out: Path) -> None:

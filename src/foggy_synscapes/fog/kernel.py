@@ -11,10 +11,10 @@ So the result never depends on the width of the processor's vectors, and equals 
 """
 
 import math
-from collections.abc import Callable
 
-import numba
 import numpy as np
+
+from foggy_synscapes.compiled import compiled
 
 F = np.float32
 I = np.int32  # noqa: E741 (as F: constants of the width that keeps loops narrow)
@@ -29,14 +29,6 @@ LOWEST = F(-60)
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
-
-
-def compiled(function: Callable) -> Callable:
-    """Compile at the first call and keep the machine code on disk where Numba finds a writable folder."""
-    try:
-        return numba.njit(cache=True)(function)
-    except RuntimeError:  # neither the package's folder nor the user's cache can be written
-        return numba.njit(function)
 
 
 @compiled

@@ -17,11 +17,12 @@ from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fogging import render
 from foggy_synscapes.fogging.frames import Frame
 from foggy_synscapes.io.atomic import write_bytes
-from foggy_synscapes.io.images import encode_png, is_whole_png, read_rgb
+from foggy_synscapes.io.images import is_whole_png, read_rgb
 
 Light = tuple[int, int, int, int, int]
 """Row of the airlight table without its id: red, green, blue, row, column."""
 
+WRITERS = 8
 PR_SET_PDEATHSIG = 1  # sys/prctl.h
 
 AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
@@ -123,15 +124,16 @@ def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
         return
     foggy, maps = job.paths(frame)
     lines = render.rays_of(clear, camera, camera_name, job.geometry)
-    with ThreadPoolExecutor(1) as writer:  # the disk writes one image while the next is encoded
+    # Files are synced one by one: several at a time wait for the disk together.
+    with ThreadPoolExecutor(WRITERS) as writer:
+        kinds = (
+            (foggy, partial(render.foggy_pngs, clear, lines, light)),
+            (maps, partial(render.transmittance_pngs, clear, lines)),
+        )
         pending = []
-        kinds = (foggy, partial(render.foggy, clear, lines, light)), (maps, partial(render.transmittance, clear, lines))
-        for paths, images in kinds:
+        for paths, encode in kinds:
             missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
-            if not missing:
-                continue
-            for path, pixels in zip(missing, images(list(missing.values())), strict=True):
-                data = encode_png(pixels, job.level)
+            for path, data in zip(missing, encode(list(missing.values()), job.level) if missing else (), strict=True):
                 pending.append(writer.submit(write_bytes, path, data))
                 done.made += 1
                 done.bytes += len(data)

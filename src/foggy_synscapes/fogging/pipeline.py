@@ -15,7 +15,7 @@ from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fogging import render
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import read_checked, sha256
-from foggy_synscapes.io.images import encode_png, is_whole_png, read_rgb
+from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
@@ -103,7 +103,8 @@ def _members(
             light = Airlight(*(int(lights[frame][column]) for column in ("red", "green", "blue", "row", "column")))
             clear = read_frame(folder, frame, index)
             lines = render.rays_of(clear, camera, f"{KEPT}, frame {frame}", params.fog.geometry)
-            write_bytes(finished / name, encode_png(render.foggy(clear, lines, light, [beta])[0], params.fog.png_level))
+            (data,) = render.foggy_pngs(clear, lines, light, [beta], params.fog.png_level)
+            write_bytes(finished / name, data)
             for doubt in clear.doubts(light):
                 print(f"warning: {doubt}", file=sys.stderr)
         yield name, (finished / name).read_bytes()

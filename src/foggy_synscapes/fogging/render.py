@@ -1,6 +1,7 @@
 """One frame from its files: read, fog at several betas, encode."""
 
 import ctypes
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +13,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.fog.geometry import Rays, rays
 from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, transmittance_images
-from foggy_synscapes.io.images import read_depth, read_rgb
+from foggy_synscapes.io.images import encode_png, read_depth, read_rgb
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
 """What to do where the airlight is blue (paper, section III, failure case)."""
@@ -89,16 +90,21 @@ def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Ra
     return _rays(camera, geometry)
 
 
-def foggy(clear: Clear, lines: Rays, light: Airlight, betas: list[str]) -> np.ndarray:
-    """Foggy images, uint8 (B, H, W, 3), at betas in 1/m; overwritten by the next call with as many betas."""
+def foggy_pngs(clear: Clear, lines: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
+    """Foggy images as PNG, one per beta in 1/m; `level` 0 is for photographs, 1 to 3 are deflate's effort."""
+    # Imported here: its loops are compiled, and Numba takes half a second.
+    from foggy_synscapes.io.photographs import encode_photograph
+
     out = _buffer(len(betas), *clear.image.shape)
-    return foggy_images(clear.image, clear.depth, lines, light.levels, [float(beta) for beta in betas], out)
+    foggy_images(clear.image, clear.depth, lines, light.levels, [float(beta) for beta in betas], out)
+    yield from (encode_png(one, level) if level else encode_photograph(one) for one in out)
 
 
-def transmittance(clear: Clear, lines: Rays, betas: list[str]) -> np.ndarray:
-    """Transmittance in 8 bits, uint8 (B, H, W), at betas in 1/m; overwritten as by `foggy`."""
+def transmittance_pngs(clear: Clear, lines: Rays, betas: list[str], level: int) -> Iterator[bytes]:
+    """Transmittance in 8 bits as PNG, one per beta in 1/m."""
     out = _buffer(len(betas), *clear.depth.shape)
-    return transmittance_images(clear.depth, lines, [float(beta) for beta in betas], out)
+    maps = transmittance_images(clear.depth, lines, [float(beta) for beta in betas], out)
+    yield from (encode_png(one, max(level, 1)) for one in maps)  # smooth maps repeat: matches pay
 
 
 @lru_cache(maxsize=8)

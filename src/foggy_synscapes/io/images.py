@@ -114,13 +114,26 @@ def encode_png(pixels: np.ndarray, level: int = 1) -> bytes:
     if pixels.dtype == np.uint16:
         pixels = pixels.astype(">u2").view(np.uint8)  # PNG stores the high byte first
     rows = np.ascontiguousarray(pixels).reshape(height, -1)
-    filtered = _scratch(height, 1 + rows.shape[1])
+    filtered = scratch(height, 1 + rows.shape[1])
     filtered[:, 0] = UP_FILTER
     filtered[0, 1:] = rows[0]
     np.subtract(rows[1:], rows[:-1], out=filtered[1:, 1:])
-    header = struct.pack(">IIBBBBB", width, height, *kind, 0, 0, 0)
-    chunks = (b"IHDR", header), (b"IDAT", isal_zlib.compress(filtered, level)), (b"IEND", b"")
+    return assemble_png(width, height, *kind, isal_zlib.compress(filtered, level))
+
+
+def assemble_png(width: int, height: int, bits: int, kind: int, data: bytes) -> bytes:
+    """A PNG file around the deflated rows of an image."""
+    header = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
+    chunks = (b"IHDR", header), (b"IDAT", data), (b"IEND", b"")
     return SIGNATURE + b"".join(part for kind, data in chunks for part in _chunk(kind, data))
+
+
+def scratch(height: int, width: int) -> np.ndarray:
+    """Memory of the last image of this size in this thread: fresh pages would cost a tenth of the encoding."""
+    kept = getattr(_thread, "scratch", None)
+    if kept is None or kept.shape != (height, width):
+        kept = _thread.scratch = np.empty((height, width), np.uint8)
+    return kept
 
 
 def encode_depth(depth: np.ndarray) -> bytes:
@@ -231,14 +244,6 @@ def _check_exr(header: dict, name: str) -> None:
     _check_size(right - left + 1, bottom - top + 1, name)
     if not all(map(np.array_equal, header["dataWindow"], header["displayWindow"])):
         raise FoggyError(f"{name}: a part of its image only (data window {left}, {top} to {right}, {bottom})")
-
-
-def _scratch(height: int, width: int) -> np.ndarray:
-    """Memory of the last image of this size in this thread: fresh pages would cost a tenth of the encoding."""
-    kept = getattr(_thread, "scratch", None)
-    if kept is None or kept.shape != (height, width):
-        kept = _thread.scratch = np.empty((height, width), np.uint8)
-    return kept
 
 
 def _chunk(kind: bytes, data: bytes) -> tuple[bytes, ...]:

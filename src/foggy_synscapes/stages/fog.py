@@ -51,7 +51,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default="keep",
         help="where the atmospheric light is that of a blue sky: keep it, leave the frame out, or make it grey",
     )
-    frames.add_argument("--png-level", type=int, choices=range(4), default=1, help="deflate effort (default: 1)")
+    frames.add_argument(
+        "--png-level",
+        type=int,
+        choices=range(4),
+        default=0,
+        help="0: codes for photographs, fastest (default); 1 to 3: effort of deflate",
+    )
     frames.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: 1)")
     frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
     job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it; with one --beta or --airlight")

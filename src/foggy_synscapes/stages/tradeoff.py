@@ -109,7 +109,7 @@ def measure(frames: list[Frame], betas: list[float], repeats: int) -> list[Score
 
 
 def pareto_front(scores: list[Score]) -> list[str]:
-    """Names of the variants that none other beats: as fast, within 5 % of noise, with less change, or faster with as much."""
+    """Names of the variants that none beats: as fast, within noise, with less change, or faster with as much."""
     timed = [score for score in scores if score.cpu_ms is not None]
 
     def beaten(one: Score) -> bool:
