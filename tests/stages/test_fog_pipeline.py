@@ -53,6 +53,7 @@ def change(**fog: object) -> Params:
     for rows in document["subset"].values():
         for row in rows.values():
             row |= {"train": frames["first"], "validation": frames["last"]}
+    document["tables"]["rows"] = document["tables"]["rows"][:1]  # C, which names no number of images
     return check(document, "params.yaml")
 
 
