@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from foggy_synscapes import closure
 from foggy_synscapes.datasets.labels import CLASSES
 from foggy_synscapes.datasets.listed import Listed
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import versions, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load, root
 from foggy_synscapes.training_params import Duration, NetworkSettings
@@ -85,7 +86,15 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     validation = Listed(lists["validation"], reader, budget - training.held)
     record = _record(params, settings, network, row, fine_tuned)
     inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
-    identity = {"params": record, "seed": seed, "inputs": {Path(path).as_posix(): sha256(path) for path in inputs}}
+    # Code and libraries too: weights must not come half from one version of the loss and half from another.
+    made_by = {"code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")}}
+    made_by["versions"] = versions("train")
+    identity = {
+        **made_by,
+        "params": record,
+        "seed": seed,
+        "inputs": {Path(path).as_posix(): sha256(path) for path in inputs},
+    }
     snapshot = folder / "snapshot.safetensors"
     try:
         plan = _plan(params, schedule.length, schedule.validate_, training.count, policy.batch, int(seed))
@@ -169,18 +178,16 @@ def _set_threads(threads: int) -> None:
 
 def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int, whole: bool = False) -> "Model":
     """The network with its start weights: random ones of the seed, or those of a file; `whole`: no random ones."""
-    import torch
-
     from foggy_synscapes.networks.build import build
     from foggy_synscapes.networks.config import NetworkConfig
     from foggy_synscapes.networks.weights import Model, Preprocessing, load_start
-    from foggy_synscapes.training.streams import torch_seed
+    from foggy_synscapes.training.streams import seed_torch
 
     config = NetworkConfig(
         network, settings.backbone, settings.width, settings.decoder, len(CLASSES), auxiliary=network == "bisenet"
     )
     # What the start weights lack, or all of them, is drawn from the seed.
-    torch.manual_seed(torch_seed(seed, "start"))
+    seed_torch(seed, "start")
     if start == NO_WEIGHTS:
         return Model(build(config), Preprocessing())
     try:

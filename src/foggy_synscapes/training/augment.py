@@ -31,7 +31,7 @@ def augment(
     Returns
     -------
     Image uint8 (*crop, 3), resized bilinearly, and labels uint8 (*crop), by nearest neighbour. Where the window is
-    larger than the image, the rest is filled with `FILL` and ignored.
+    larger than the image, the rest is filled with `FILL` and ignored. Both may be views of what was given.
     """
     if image.shape[:2] != labels.shape:
         raise ValueError(f"labels: {labels.shape} pixels, but the image has {image.shape[:2]}")
@@ -48,7 +48,7 @@ def augment(
         labels = labels[rows][:, columns]
     if flip and mirrored:
         pixels, labels = pixels.flip(3), labels[:, ::-1]
-    return np.ascontiguousarray(pixels[0].permute(1, 2, 0).numpy()), np.ascontiguousarray(labels)
+    return pixels[0].permute(1, 2, 0).numpy(), labels
 
 
 def _nearest(out: int, part: int) -> np.ndarray:

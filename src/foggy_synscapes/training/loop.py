@@ -15,7 +15,7 @@ from foggy_synscapes.training.loader import Batch, Samples, Steps, batches
 from foggy_synscapes.training.order import steps_per_epoch
 from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
 from foggy_synscapes.training.snapshots import Progress
-from foggy_synscapes.training.streams import torch_seed
+from foggy_synscapes.training.streams import seed_torch
 from foggy_synscapes.training.validation import validate
 
 CURVE = ("step", "epoch", "learning_rate", "train_loss", "validation_loss", "validation_miou")
@@ -98,7 +98,7 @@ def train(
         rate = policy.rate(step, plan.steps)
         for group in optimiser.param_groups:
             group["lr"] = rate * group["factor"]
-        torch.manual_seed(torch_seed(plan.seed, "dropout", step))
+        seed_torch(plan.seed, "dropout", step)
         loss = _step(network, preprocessing, policy, arithmetic, optimiser, batch)
         if not math.isfinite(loss):
             names = ", ".join(training.name(index) for index in batch.indices)
