@@ -226,6 +226,13 @@ def test_a_broken_camera_for_all_is_said_once(root: Path, tmp_path: Path, capsys
     assert error.count("camera.json") == 1
 
 
+def test_a_camera_that_no_depth_file_holds_is_named(root: Path, tmp_path: Path, capsys) -> None:
+    error = failure(capsys, fog(root, tmp_path / "out", "--camera-in-depth"))
+    assert "img/depth/1.exr: its header has no camera:zoom and no image:window" in error
+    status = fog(root, tmp_path / "out", "--camera-in-depth", "--camera", str(root / "meta/1.json"))
+    assert "give one of them" in failure(capsys, status, expected=2)
+
+
 def test_missing_depth_values_and_black_images_are_warned_about(root: Path, tmp_path: Path, capsys) -> None:
     image, depth = content(1)
     depth[20, :7] = 0

@@ -9,6 +9,7 @@ import pytest
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.fog.airlight import dark_channel
+from foggy_synscapes.fogging.render import read_camera
 from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.tables import read_csv
 
@@ -64,6 +65,24 @@ def test_edge_cases_are_the_published_codes_to_the_pixel(real_data: Path, tmp_pa
     assert main(["fog", *paths, *betas, "--out", str(out), "--transmittance"]) == 0
     assert_same_pixels(out, case, edge, case)
     np.testing.assert_array_equal(dark_channel(image), read_ids(edge / f"{case}_dark.png"))
+
+
+def test_the_camera_in_the_depth_files_is_the_one_of_the_json(real_data: Path, tmp_path: Path) -> None:
+    root = real_data / "synscapes"
+    written = read_camera(root / "camera.json")
+    for frame in (1, 2):
+        found = read_camera(root / f"img/depth/{frame}.exr")
+        for name in ("fx", "fy", "u0", "v0"):
+            assert getattr(found, name) == pytest.approx(getattr(written, name), abs=4e-6 * written.resx)
+        assert (found.resx, found.resy) == (1440, 720)
+    out = tmp_path / "out"
+    assert (
+        main(["fog", "--synscapes", str(root), "--camera-in-depth", "--ids=1", "--beta=0.06", "--out", str(out)]) == 0
+    )
+    ours = read_rgb(out / "beta_0.06/foggy_img/00001_beta_0.06.png").astype(int)
+    difference = np.abs(ours - read_rgb(real_data / "fog_reference/1_beta_0.06_foggy.png"))
+    assert difference.max() <= 1
+    assert difference.mean() < 1e-4
 
 
 def test_the_list_of_edge_cases_is_complete(real_data: Path) -> None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fogging import render
@@ -100,7 +99,7 @@ def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
     done = Done(frame.id)
     try:
         foggy, maps = job.paths(frame)
-        newest = max(path.stat().st_mtime_ns for path in _inputs(frame))
+        newest = max(changed(path) for path in _inputs(frame))
         wanted = {path for path in (*foggy, *maps) if not _is_right(path, newest)}
         done.kept = len(foggy) + len(maps) - len(wanted)
         if wanted:
@@ -116,7 +115,7 @@ def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
 
 def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
     clear = render.read_clear(frame.rgb, frame.depth, str(frame.rgb), str(frame.depth))
-    camera, camera_name = synscapes.read_camera(frame.camera), str(frame.camera)
+    camera, camera_name = render.read_camera(frame.camera), str(frame.camera)
     light, done.blue = render.airlight_of(clear.image, job.treatment)
     done.light = _light(light)
     done.doubts = clear.doubts(light)
@@ -151,6 +150,12 @@ def _inputs(frame: Frame) -> tuple[Path, ...]:
         if not path.is_file():
             raise FoggyError(f"{path}: missing (frame {frame.id})")
     return inputs
+
+
+def changed(path: Path) -> int:
+    """When a file was last written or put into its place, in ns: a copy that keeps an old time is new all the same."""
+    status = path.stat()
+    return max(status.st_mtime_ns, status.st_ctime_ns)
 
 
 def _is_right(path: Path, newest: int) -> bool:

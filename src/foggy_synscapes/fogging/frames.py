@@ -1,6 +1,6 @@
 """Which frames a command fogs, and where their files are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from foggy_synscapes.datasets import synscapes
@@ -11,7 +11,10 @@ IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame's files: its id as written in tables and file names, and where image, depth and camera are read."""
+    """A frame's files: its id as written in tables and file names, and where image, depth and camera are read.
+
+    The camera is a JSON file, or the depth file itself, whose header may hold it.
+    """
 
     id: str
     rgb: Path
@@ -23,8 +26,10 @@ class Frame:
         return synscapes.foggy_name(int(self.id), beta) if self.id.isdecimal() else f"{self.id}_beta_{beta}.png"
 
 
-def of_synscapes(root: Path, ids: str | None, camera: Path | None) -> list[Frame]:
+def of_synscapes(root: Path, ids: str | None, camera: Path | None, in_depth: bool = False) -> list[Frame]:
     """Frames of a folder in the layout of Synscapes, by number; all that have an image where `ids` is None.
+
+    Their cameras are those of `camera`, or with `in_depth` of the depth files' headers, or of the meta files.
 
     Raises
     ------
@@ -41,14 +46,17 @@ def of_synscapes(root: Path, ids: str | None, camera: Path | None) -> list[Frame
     )
     if not numbers:
         raise FoggyError(f"{folder}: holds no image N.png")
-    return [
+    frames = [
         Frame(str(n), root / synscapes.rgb(n), root / synscapes.depth(n), camera or root / synscapes.meta(n))
         for n in numbers
     ]
+    return [replace(frame, camera=frame.depth) for frame in frames] if in_depth else frames
 
 
-def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path) -> list[Frame]:
-    """Frames of plain folders: images in one, depth of the same names (but .exr) in the other, one camera for all.
+def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path | None) -> list[Frame]:
+    """Frames of plain folders: images in one, depth of the same names (but .exr) in the other.
+
+    `camera` is one for all; without it each frame's is in the header of its depth file.
 
     Raises
     ------
@@ -65,7 +73,8 @@ def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path) -> list[Fr
     for path in sorted(path for path in rgb.iterdir() if path.suffix.lower() in IMAGES):
         if wanted is not None and not (path.stem.isdecimal() and int(path.stem) in wanted):
             continue
-        frame = Frame(path.stem, path, depth / f"{path.stem}.exr", camera)
+        metres = depth / f"{path.stem}.exr"
+        frame = Frame(path.stem, path, metres, camera or metres)
         other = frames.setdefault(frame.name(""), frame)
         if other is not frame:
             raise FoggyError(f"{path}: would give the same file names as {other.rgb}. Rename one of them.")

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
-from foggy_synscapes.fog.geometry import Rays, rays
+from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
 from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, transmittance_images
-from foggy_synscapes.io.images import encode_png, read_depth, read_rgb
+from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
 """What to do where the airlight is blue (paper, section III, failure case)."""
@@ -71,6 +72,29 @@ def read_clear(rgb: Path | bytes, depth: Path | bytes, rgb_name: str, depth_name
         return Clear(image, metres, rgb_name, depth_name, count_zero_depth(metres))
     except ValueError as error:
         raise FoggyError(f"{depth_name}: {error}. Fetch the file again, or mend it at its source.") from error
+
+
+def read_camera(path: Path) -> Camera:
+    """Camera of a frame, from a JSON file or from the header of a depth file of Synscapes.
+
+    Raises FoggyError if there is none.
+    """
+    if path.suffix != ".exr":
+        return synscapes.read_camera(path)
+    header = read_depth_header(path)
+    missing = [name for name in ("camera:zoom", "image:window") if name not in header]
+    if missing:
+        raise FoggyError(
+            f"{path}: its header has no {' and no '.join(missing)}. Give the camera as a file: --camera FILE"
+        )
+    columns, rows = (tuple(float(edge) for edge in edges) for edges in header["image:window"])
+    (left, top), (right, bottom) = header["dataWindow"]
+    try:
+        return camera_from_window(
+            float(header["camera:zoom"]), columns, rows, int(right - left) + 1, int(bottom - top) + 1
+        )
+    except (ValueError, ZeroDivisionError) as error:
+        raise FoggyError(f"{path}: camera in its header: {error}. Give it as a file: --camera FILE") from error
 
 
 def airlight_of(image: np.ndarray, treatment: str) -> tuple[Airlight, bool]:

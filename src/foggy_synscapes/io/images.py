@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from isal import isal_zlib
@@ -91,6 +92,23 @@ def read_depth(source: Path | str | bytes, name: str | None = None) -> np.ndarra
     if depth.dtype != np.float32:
         raise FoggyError(f"{name}: channel Z is {depth.dtype}, expected float32: rounded depth changes pixels")
     return depth
+
+
+def read_depth_header(source: Path | str | bytes, name: str | None = None) -> dict[str, Any]:
+    """Attributes of an EXR file with one channel Z by name, as the OpenEXR library gives them; its pixels are not read.
+
+    Raises FoggyError as `read_depth` does.
+    """
+    import OpenEXR
+
+    data, name = _bytes(source, name)
+    try:
+        with _silence():
+            header = OpenEXR.File(io.BytesIO(data), header_only=True, num_threads=0).header()
+            _check_exr(header, name)
+    except (RuntimeError, ValueError, KeyError, TypeError) as error:
+        raise FoggyError(f"{name}: not a readable EXR file: {error}. {AGAIN}") from error
+    return header
 
 
 def encode_png(pixels: np.ndarray, level: int = 1) -> bytes:

@@ -7,12 +7,13 @@ import time
 from contextlib import closing
 from pathlib import Path
 
-from foggy_synscapes import __version__
+from foggy_synscapes import __version__, closure
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fogging import alone, pipeline
 from foggy_synscapes.fogging.frames import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import beta_name, load
 from foggy_synscapes.progress import progress
@@ -37,7 +38,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="DIR", help="where to write beta_B/foggy_img/*.png and airlight.csv"
     )
     frames.add_argument("--ids", metavar="LIST", help="frame numbers, e.g. 1-500 or 1,5,9-12 (default: all)")
-    frames.add_argument("--camera", type=Path, metavar="FILE", help="one camera (JSON, pixels) for all frames")
+    frames.add_argument(
+        "--camera",
+        type=Path,
+        metavar="FILE",
+        help='one camera for all, JSON: {"camera": {"intrinsic": {...}}} with fx, fy, u0, v0, resx, resy in pixels',
+    )
+    frames.add_argument(
+        "--camera-in-depth",
+        action="store_true",
+        help="take each camera from the header of its depth file, as Synscapes has it",
+    )
     frames.add_argument(
         "--geometry",
         choices=("paper", "exact"),
@@ -75,14 +86,16 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
     if args.jobs < 1:
         raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+    if args.camera and args.camera_in_depth:
+        raise UsageError("--camera and --camera-in-depth: give one of them")
     if args.camera is not None:
         read_camera(args.camera)  # one camera for all frames: its errors are said once
     if args.synscapes is not None and args.rgb is None and args.depth is None:
-        frames = of_synscapes(args.synscapes, args.ids, args.camera)
-    elif args.synscapes is None and args.rgb and args.depth and args.camera:
+        frames = of_synscapes(args.synscapes, args.ids, args.camera, args.camera_in_depth)
+    elif args.synscapes is None and args.rgb and args.depth and (args.camera or args.camera_in_depth):
         frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
     else:
-        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE")
+        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight
     fog(frames, alone.Job(args.out, betas, *options), jobs=args.jobs, keep_going=args.keep_going)
 
@@ -97,7 +110,7 @@ def fog(frames: list[Frame], job: alone.Job, jobs: int = 1, keep_going: bool = F
     FoggyError
         Naming the broken frames; with `keep_going` after all others are finished.
     """
-    _check_settings(job)
+    _check_settings(job, frames)
     table = job.out / "airlight.csv"
     rows = _read_airlight(table)
     known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
@@ -164,9 +177,20 @@ def _betas(texts: list[str]) -> list[str]:
     return list(betas)
 
 
-def _check_settings(job: alone.Job) -> None:
-    """Keep one folder from holding images of different settings."""
+def _origin(frames: list[Frame]) -> str:
+    """Tells the folders that frames are read from, without naming them; one camera for all counts with its content."""
+    cameras = {frame.camera for frame in frames}
+    places = sorted({str(path.resolve().parent) for frame in frames for path in (frame.rgb, frame.depth)})
+    camera = sha256(next(iter(cameras))) if len(cameras) == 1 and len(frames) > 1 else "its own"
+    return sha256_bytes("\n".join([*places, camera]).encode())[:16]
+
+
+def _check_settings(job: alone.Job, frames: list[Frame]) -> None:
+    """Keep one folder from holding images of different frames, settings or versions of the code."""
+    code = "".join(sha256(closure.FOLDER / name) for name in closure.sources("fog"))
     settings = {
+        "frames": _origin(frames),
+        "code": sha256_bytes(code.encode())[:16],
         "geometry": job.geometry,
         "blue_airlight": job.treatment,
         "png_level": job.level,
@@ -181,9 +205,11 @@ def _check_settings(job: alone.Job) -> None:
     except ValueError as error:
         raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
     if before != settings:
+        keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
+        differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
         raise FoggyError(
-            f"{path}: the folder was made with {before}, now asked for {settings}. "
-            "Choose another --out, or delete the folder."
+            f"{path}: the folder holds images of another kind: {differences} "
+            "(frames: where images, depth and camera come from). Choose another --out, or delete the folder."
         )
 
 
@@ -198,7 +224,7 @@ def _read_airlight(table: Path) -> dict[str, alone.Light]:
 
 
 def _older(path: Path, table: Path) -> bool:
-    return path.is_file() and path.stat().st_mtime_ns <= table.stat().st_mtime_ns
+    return path.is_file() and alone.changed(path) <= table.stat().st_mtime_ns
 
 
 def _shortened(lines: list[str]) -> list[str]:
