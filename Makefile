@@ -6,7 +6,7 @@ CORES ?= 2
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main test paper status lint lock clean
+.PHONY: main test paper status sources lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -31,6 +31,10 @@ paper: $(READY)
 # README.md and docs/status.md, from the tables that the main job made.
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
+
+# The source files that dvc.yaml declares, after an import was added or removed.
+sources: $(READY)
+	@$(BIN)/python workflow/declare_sources.py
 
 lint: $(READY)
 	@$(BIN)/ruff check .

@@ -68,6 +68,12 @@ def section(name, *keys):
     )
 
 
+def roots(*datasets):
+    """Where the datasets that a command reads lie, as text."""
+    values = PARAMS.scenes.roots.model_dump()
+    return json.dumps({name: values[name] for name in datasets}, sort_keys=True)
+
+
 def one_of(names):
     """Wildcard constraint: one of these names and nothing else."""
     return "|".join(name.replace(".", r"\.") for name in names)
@@ -98,11 +104,12 @@ FIGURES = expand(
 
 
 rule all:
-    """The tables and the figures."""
+    """The tables, the figures and the check of the numbers at their extremes."""
     default_target: True
     input:
         TABLES,
         FIGURES,
+        "results/stability/stability.csv",
 
 
 include: "workflow/rules/scenes.smk"

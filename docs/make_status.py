@@ -4,9 +4,11 @@ Run by `make status` after the main job; nothing is typed in by hand.
 """
 
 import shutil
+import sys
 from decimal import Decimal
 from pathlib import Path
 
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.tabling.numbers import round_half_up
@@ -70,4 +72,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except FoggyError as error:
+        sys.exit(str(error))

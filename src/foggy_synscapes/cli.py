@@ -19,15 +19,16 @@ PIPELINE = {
     "evaluate": "score a model on a test set; alone: score any PNG predictions",
     "tables": "make the mIoU tables (CSV, LaTeX, Markdown); alone: the published ones",
     "figures": "draw the figures",
-    "stability": "check the numbers at the extremes of their inputs",
-    "tradeoff": "weigh time against accuracy",
 }
 TOOLS = {
+    "stability": "check the numbers of each arithmetic at the extremes of their inputs",
+    "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",
     "params": "check a params file",
     "trace": "show what a result was made from, down to the raw data",
     "unpack": "unpack fog shards into folders",
     "verify": "hash results again and compare with their run records",
+    "weights": "turn public weights into those that trainings start from",
     "weights": "import public weights to start from or to score",
 }
 
@@ -69,6 +70,12 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)
         return 1
+    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError, OSError) as error:
+        # No input should get here: a person still gets one message, and --debug shows where it came from.
+        if options.debug:
+            raise
+        text = f"{type(error).__name__}: {error}. This message should name a file or key; --debug shows where it arose."
+        return _fail(FoggyError(text), word)
     except MemoryError as error:
         if options.debug:
             raise

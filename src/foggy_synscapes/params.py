@@ -8,8 +8,9 @@ import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, ValidationError, model_validator
 
+from foggy_synscapes.datasets.synscapes import SCENE_KEYS
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.training_params import Count, RowName, Section, Train
@@ -50,14 +51,17 @@ def _canonical_beta(text: str) -> str:
 Beta = Annotated[str, AfterValidator(_canonical_beta)]
 
 
+Folder = Annotated[str, Field(min_length=1)]
+
+
 class Roots(Section):
     """Folder of each dataset, or "stand-in"."""
 
-    synscapes: str
-    cityscapes: str
-    foggy_cityscapes: str
-    foggy_driving: str
-    foggy_zurich: str
+    synscapes: Folder
+    cityscapes: Folder
+    foggy_cityscapes: Folder
+    foggy_driving: Folder
+    foggy_zurich: Folder
 
 
 class CityscapesCounts(Section):
@@ -100,7 +104,7 @@ class Scenes(Section):
     """Where the raw data is, and how Synscapes is cut into shards."""
 
     roots: Roots
-    refined_list: str
+    refined_list: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-][A-Za-z0-9._-]*(/[A-Za-z0-9_-][A-Za-z0-9._-]*)*\.txt$")]
     zurich_list: Literal["testv1", "testv2"]
     shard_frames: Count
     shards: Annotated[list[str], Field(min_length=1)]
@@ -125,13 +129,19 @@ class FilterRule(Section):
     """Keep a frame if the scene key lies between minimum and maximum, both included."""
 
     key: str
-    minimum: float | None = None
-    maximum: float | None = None
+    minimum: FiniteFloat | None = None
+    maximum: FiniteFloat | None = None
 
     @model_validator(mode="after")
     def _bounded(self) -> "FilterRule":
+        if self.key not in SCENE_KEYS:
+            close = difflib.get_close_matches(self.key, SCENE_KEYS, n=1)
+            hint = f"; did you mean {close[0]}?" if close else ", which are the columns of results/filter/frames.csv"
+            raise ValueError(f"{self.key!r} is no scene key of Synscapes{hint}")
         if self.minimum is None and self.maximum is None:
             raise ValueError(f"rule on {self.key}: give minimum, maximum or both")
+        if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
+            raise ValueError(f"rule on {self.key}: minimum {self.minimum} is above maximum {self.maximum}")
         return self
 
 
@@ -209,19 +219,17 @@ class Evaluate(Section):
 
 
 class TableRow(Section):
-    """A printed row: its training row, its labels, the published number of images and the number here."""
+    """A printed row: its training row, its labels, and the published number of images (here it is the list's)."""
 
     row: RowName
     training: str
     fine_tuning: str
     images: int | None = None
-    here: int | None = None
 
 
 class Tables(Section):
     """What the tables print."""
 
-    stand_in: bool
     rows: Annotated[list[TableRow], Field(min_length=1)]
 
 
@@ -266,9 +274,14 @@ class Params(Section):
         lists = list(self.subset.pure.values()) + list(self.subset.mixed.values())
         if lists:
             betas = {entry.beta for entry in lists}
-            if betas != set(self.fog.betas):
+            unused, missing = sorted(set(self.fog.betas) - betas), sorted(betas - set(self.fog.betas))
+            if unused:
                 raise ValueError(
-                    f"fog.betas: the lists in subset ask for {sorted(betas)}, got {sorted(self.fog.betas)}"
+                    f"fog.betas: no list in subset uses {', '.join(unused)}; add a row there, or remove it"
+                )
+            if missing:
+                raise ValueError(
+                    f"fog.betas: a list in subset asks for {', '.join(missing)}, which is not there; add it"
                 )
             ends = max(entry.train for entry in lists), max(entry.validation for entry in lists)
             if ends != (self.fog.frames.first, self.fog.frames.last):
@@ -276,13 +289,30 @@ class Params(Section):
                     f"fog.frames: the lists in subset ask for the first {ends[0]} and the last {ends[1]} kept frames, "
                     f"got first {self.fog.frames.first} and last {self.fog.frames.last}"
                 )
-        rows = {*self.train.from_weights, *self.train.from_baseline}
+        names = [name for kind in ("clear", "partial", "pure", "mixed") for name in getattr(self.subset, kind)]
+        trained = [*self.train.from_weights, *self.train.from_baseline]
+        for key, each in (
+            ("subset", names),
+            ("train.from_weights and from_baseline", trained),
+            ("train.seeds", [int(seed) for seed in self.train.seeds]),
+            ("train.networks", self.train.networks),
+            ("evaluate.test_sets", self.evaluate.test_sets),
+            ("tables.rows", [entry.row for entry in self.tables.rows]),
+        ):
+            if len(set(each)) != len(each):
+                raise ValueError(f"{key}: each once, got {each}")
+        rows = set(trained)
         if rows != set(self.subset.rows()):
             raise ValueError(f"train: trains rows {sorted(rows)}, but subset lists {sorted(self.subset.rows())}")
         counts = self.scenes.stand_in
         if self.scenes.roots.synscapes == STAND_IN and self.fog.frames.first + self.fog.frames.last > counts.synscapes:
             raise ValueError(f"scenes.stand_in.synscapes: {counts.synscapes} frames, fewer than fog.frames asks for")
         return self
+
+    @property
+    def stand_in(self) -> bool:
+        """Whether any dataset is drawn: then no score says anything about real fog, and tables and figures say so."""
+        return STAND_IN in self.scenes.roots.model_dump().values()
 
 
 def load(path: str | Path) -> Params:
@@ -318,7 +348,7 @@ def _explain(problem: dict[str, Any]) -> str:
     place = ".".join(str(part) for part in problem["loc"]) or "the whole file"
     kind, message = problem["type"], problem["msg"].removeprefix("Value error, ")
     if kind == "extra_forbidden":
-        return f"{place}: unknown key{_suggest(problem['loc'])}. Remove it or correct its spelling."
+        return f"{place}: unknown key{_suggest(problem['loc'])} Remove it or correct its spelling."
     if kind == "missing":
         return f"{place}: missing. Every value is stated; compare params.yaml."
     if kind == "value_error":
@@ -329,4 +359,4 @@ def _explain(problem: dict[str, Any]) -> str:
 def _suggest(place: tuple) -> str:
     names = {field.alias or name for model in Section.__subclasses__() for name, field in model.model_fields.items()}
     close = difflib.get_close_matches(str(place[-1]), sorted(names), n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+    return f"; did you mean {close[0]}?" if close else "."

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 Network = Literal["refinenet", "bisenet"]
 # Names become folders and words of a command line, so they are kept to what is harmless in both.
@@ -44,24 +44,24 @@ class RowLength(Section):
 class Policy(Section):
     """How a network is trained."""
 
-    learning_rate: Annotated[float, Field(gt=0)]
+    learning_rate: Annotated[FiniteFloat, Field(gt=0)]
     schedule: Literal["poly", "constant"]
-    power: Annotated[float, Field(gt=0)]
-    momentum: Annotated[float, Field(ge=0, lt=1)]
-    weight_decay: Annotated[float, Field(ge=0)]
-    norm_weight_decay: Annotated[float, Field(ge=0)]
+    power: Annotated[FiniteFloat, Field(gt=0)]
+    momentum: Annotated[FiniteFloat, Field(ge=0, lt=1)]
+    weight_decay: Annotated[FiniteFloat, Field(ge=0)]
+    norm_weight_decay: Annotated[FiniteFloat, Field(ge=0)]
     batch: Count
     accumulate: Count
     crop: tuple[Count, Count]
-    scale: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
+    scale: tuple[Annotated[FiniteFloat, Field(gt=0)], Annotated[FiniteFloat, Field(gt=0)]]
     flip: bool
     loss: Literal["cross_entropy", "ohem"]
-    ohem_threshold: Annotated[float, Field(gt=0, lt=1)]
-    ohem_kept: Annotated[float, Field(ge=0, le=1)]
-    auxiliary_weight: Annotated[float, Field(ge=0)]
+    ohem_threshold: Annotated[FiniteFloat, Field(gt=0, lt=1)]
+    ohem_kept: Annotated[FiniteFloat, Field(ge=0, le=1)]
+    auxiliary_weight: Annotated[FiniteFloat, Field(ge=0)]
     loss_stride: Literal[1, 2, 4, 8]
-    backbone_rate: Annotated[float, Field(gt=0)]
-    new_layer_rate: Annotated[float, Field(gt=0)]
+    backbone_rate: Annotated[FiniteFloat, Field(gt=0)]
+    new_layer_rate: Annotated[FiniteFloat, Field(gt=0)]
     freeze_batch_norm: bool
 
     @model_validator(mode="after")

@@ -115,7 +115,7 @@ def test_cityscapes_is_complete(here: Path) -> None:
 
 def test_foggy_cityscapes_belongs_to_cityscapes(here: Path) -> None:
     root, clear = HERE / "foggy_cityscapes", HERE / "cityscapes"
-    refined = foggy_cityscapes.read_refined(root / small().scenes.refined_list)
+    refined = foggy_cityscapes.read_refined(root, small().scenes.refined_list)
     assert [len(refined[split]) for split in ("train", "val")] == [4, 2]
     for name in refined["train"] + refined["val"]:
         image = read_rgb(clear / cityscapes.image(name)).astype(int)

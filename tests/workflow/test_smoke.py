@@ -65,7 +65,6 @@ def hashes(folder: Path) -> dict[str, str]:
         if path.is_file()
         and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks")
         and path.name not in (".gitignore", ".snakemake_timestamp")
-        and "scenes/cache" not in path.as_posix()
     }
 
 

@@ -29,7 +29,8 @@ rule evaluate:
     threads: PARAMS.evaluate.threads
     params:
         evaluate=section("evaluate", "threads"),
-        scenes=section("scenes", "roots", "zurich_list"),
+        scenes=section("scenes", "zurich_list"),
+        roots=lambda wildcards: roots(wildcards.test_set),
     shell:
         "foggy evaluate --network {wildcards.network} --row {wildcards.row} --seed {wildcards.seed}"
         " --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

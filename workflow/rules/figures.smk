@@ -36,7 +36,7 @@ rule figures:
         figures=section("figures"),
         fog=section("fog", "geometry"),
         train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
-        tables=section("tables", "rows", "stand_in"),
+        tables=section("tables", "rows"),
         scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

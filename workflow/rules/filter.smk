@@ -13,6 +13,7 @@ rule filter:
         "results/benchmarks/filter.tsv"
     params:
         filter=section("filter"),
-        scenes=section("scenes", "roots", "shards"),
+        scenes=section("scenes", "shards"),
+        roots=roots("synscapes"),
     shell:
         "foggy filter{PARAMS_OPTION} > {log:q} 2>&1"

@@ -13,7 +13,8 @@ rule fog_airlight:
         "results/benchmarks/fog/airlight_{shard}.tsv"
     params:
         fog=section("fog", "frames", "blue_airlight"),
-        scenes=section("scenes", "roots", "shard_frames"),
+        scenes=section("scenes", "shard_frames"),
+        roots=roots("synscapes"),
     shell:
         "foggy fog --airlight --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"
 
@@ -35,6 +36,7 @@ rule fog:
         "results/benchmarks/fog/beta_{beta}_{shard}.tsv"
     params:
         fog=section("fog", "frames", "geometry", "blue_airlight", "png_level"),
-        scenes=section("scenes", "roots", "shard_frames"),
+        scenes=section("scenes", "shard_frames"),
+        roots=roots("synscapes"),
     shell:
         "foggy fog --beta {wildcards.beta} --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -37,6 +37,7 @@ for row in ROWS:
         params:
             row=row,
             subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
-            scenes=section("scenes", "roots", "shards", "refined_list", "shard_frames"),
+            scenes=section("scenes", "shards", "refined_list"),
+            roots=roots("foggy_cityscapes"),
         shell:
             "foggy subset --row {params.row}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -14,6 +14,8 @@ rule tables:
         "results/benchmarks/tables/{test_set}.tsv"
     params:
         tables=section("tables"),
+        subset=section("subset"),
+        roots=section("scenes", "roots"),
         train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
     shell:
         "foggy tables --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -17,6 +17,7 @@ rule tradeoff:
         "results/benchmarks/tradeoff/tradeoff.tsv"
     params:
         tradeoff=section("tradeoff"),
-        scenes=section("scenes", "roots", "shards"),
+        scenes=section("scenes", "shards"),
+        roots=roots("synscapes"),
     shell:
         "foggy tradeoff{PARAMS_OPTION} > {log:q} 2>&1"

@@ -57,7 +57,7 @@ for network in PARAMS.train.networks:
                     if row in PARAMS.train.rows
                     else None
                 ),
-                scenes=section("scenes", "roots"),
+                roots=roots("synscapes", "cityscapes", "foggy_cityscapes"),
             shell:
                 "foggy train --network {params.network} --row {params.row} --seed {wildcards.seed}{PARAMS_OPTION}"
                 " > {log:q} 2>&1"

@@ -6,8 +6,10 @@ Source: Sakaridis, Dai and Van Gool, Semantic Foggy Scene Understanding with Syn
 """
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
+from foggy_synscapes.datasets.lists import read_text
 from foggy_synscapes.errors import FoggyError
 
 BETAS = ("0.005", "0.01", "0.02")
@@ -21,20 +23,15 @@ def image(frame: str, beta: str) -> str:
     return f"leftImg8bit_foggy/{frame}_leftImg8bit_foggy_beta_{beta}.png"
 
 
-def read_refined(path: str | Path) -> dict[str, list[str]]:
-    """Frames of the refined subset by split, in the order of the list.
+def read_refined(root: Path, name: str, index: Mapping[str, str] | None = None) -> dict[str, list[str]]:
+    """Frames of the refined subset by split, in the order of the list; `index` as in `lists.read_text`.
 
     Raises
     ------
     FoggyError
-        If the list is missing or a line is not `SPLIT/CITY/CITY_SSSSSS_FFFFFF`.
+        If the list is missing or not as listed; if a line is not `SPLIT/CITY/CITY_SSSSSS_FFFFFF` or stands there twice.
     """
-    try:
-        lines = Path(path).read_text(encoding="utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(
-            f"{path}: the list of refined images cannot be read: {error}. See scenes.refined_list."
-        ) from error
+    path, lines = root / name, read_text(root, name, index).split("\n")
     found: dict[str, list[str]] = {"train": [], "val": []}
     for number, line in enumerate(lines, start=1):
         if not line.strip():
@@ -44,5 +41,7 @@ def read_refined(path: str | Path) -> dict[str, list[str]]:
             raise FoggyError(
                 f"{path}, line {number}: {line.strip()[:80]!r} is not like train/aachen/aachen_000000_000019"
             )
+        if match[0] in found[match[1]]:
+            raise FoggyError(f"{path}, line {number}: {match[0]} stands there twice")
         found[match[1]].append(match[0])
     return found

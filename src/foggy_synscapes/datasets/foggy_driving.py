@@ -5,6 +5,7 @@
 Source: Sakaridis, Dai and Van Gool, Semantic Foggy Scene Understanding with Synthetic Data, IJCV 2018.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from foggy_synscapes.datasets.lists import paired, read_list
@@ -23,7 +24,7 @@ def labels(name: str, coarse: bool) -> str:
     return f"gtCoarse/test_extra/{name}_gtCoarse_labelIds.png" if coarse else f"gtFine/test/{name}_gtFine_labelIds.png"
 
 
-def pairs(root: str | Path) -> list[tuple[str, str]]:
-    """(image, labelIds) paths below the root, as the dataset's own lists pair them."""
-    root = Path(root)
-    return paired(read_list(root / IMAGES), read_list(root / LABELS), "Foggy Driving")
+def pairs(root: str | Path, index: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
+    """(image, labelIds) paths below the root, as the dataset's own lists pair them; `index` as in `lists.read_text`."""
+    images, maps = (read_list(Path(root), name, index) for name in (IMAGES, LABELS))
+    return paired(images, maps, "Foggy Driving")

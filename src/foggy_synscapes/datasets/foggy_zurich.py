@@ -4,6 +4,7 @@ Its ground truth has no train class. testv2 names 40 images, testv1 16.
 Source: Dai, Sakaridis, Hecker and Van Gool, Curriculum Model Adaptation, IJCV 2020.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from foggy_synscapes.datasets.lists import paired, read_list
@@ -29,8 +30,7 @@ def list_path(kind: str, version: str = "testv2") -> str:
     return f"lists_file_names/{kind}_{version}_filenames.txt"
 
 
-def pairs(root: str | Path, version: str = "testv2") -> list[tuple[str, str]]:
-    """(image, labelIds) paths below the root, as the dataset's own lists pair them."""
-    root = Path(root)
-    images, maps = (read_list(root / list_path(kind, version)) for kind in ("RGB", "gt_labelIds"))
+def pairs(root: str | Path, version: str = "testv2", index: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
+    """(image, labelIds) paths below the root, as the dataset's own lists pair them; `index` as in `lists.read_text`."""
+    images, maps = (read_list(Path(root), list_path(kind, version), index) for kind in ("RGB", "gt_labelIds"))
     return paired(images, maps, "Foggy Zurich")

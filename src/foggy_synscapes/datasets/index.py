@@ -16,6 +16,8 @@ from foggy_synscapes.progress import progress
 
 COLUMNS = ("path", "size", "sha256")
 FOLDER = Path("results/scenes/index")
+CACHE = Path(".foggy/cache")
+"""What only saves time, and knows the times of this machine's files: not a result."""
 
 
 def read_index(*names: str) -> dict[str, str]:
@@ -41,7 +43,7 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
     FoggyError
         If a file is missing, is not a plain file, or lies outside the root (through `..` or a link).
     """
-    cache_path = FOLDER.parent / "cache" / f"{name}.json"
+    cache_path = CACHE / f"{name}.json"
     cache = _read_cache(cache_path)
     rows, fresh = [], {}
     inside = root.resolve()

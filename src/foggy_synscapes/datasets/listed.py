@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from foggy_synscapes.datasets.labels import to_train_ids
+from foggy_synscapes.datasets.labels import encoding, to_train_ids
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.progress import progress
 
+FIRST = 8
+"""Label maps that are looked at before a list is trusted to hold labelIds."""
 COLUMNS = ("image", "image_sha256", "label", "label_sha256")
 
 Pair = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3) and labels uint8 (H, W), trainIds
@@ -31,6 +33,7 @@ class Listed:
         if not self._rows:
             raise FoggyError(f"{path}: lists no image")
         self._reader = reader
+        _check_encoding(reader, self._rows, path)
         self._memory: dict[int, Pair] = {}
         self.count, self.held = len(self._rows), 0
         for index in progress(range(self.count), f"read {path.parent.name} {path.stem}"):
@@ -51,6 +54,19 @@ class Listed:
     def name(self, index: int) -> str:
         """URI of a sample's image."""
         return self._rows[index]["image"]
+
+
+def _check_encoding(reader: Reader, rows: list[dict[str, str]], path: Path) -> None:
+    """Refuse a list whose first maps hold no id that only labelIds have: one map alone need not tell, several do."""
+    ids: set[int] = set()
+    for row in rows[:FIRST]:
+        ids |= set(np.unique(read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])).tolist())
+        if encoding(ids) == "labelIds":
+            return
+    raise FoggyError(
+        f"{path}: the first {min(FIRST, len(rows))} label maps hold the ids {sorted(ids)}, among them neither "
+        "vegetation, sky nor any vehicle or person as labelIds (19 to 33). Are these trainIds, not labelIds?"
+    )
 
 
 def _decode(reader: Reader, row: Mapping[str, str]) -> Pair:

@@ -168,7 +168,11 @@ def _predictions(
         except ValueError as error:
             raise FoggyError(f"{folder / label}: {error}") from error
         yield image, encode_png(predicted)
-    scores.update(_summary(tally, "labelIds", "trainIds", str(folder)))
+    # What the label maps hold is found out, not assumed: trainIds scored as labelIds would pass for a bad network.
+    found = _summary(tally, None, "trainIds", str(folder))
+    if found["encoding"]["labels"] != "labelIds":
+        raise FoggyError(f"{folder}: its label maps hold {found['encoding']['labels']} where labelIds are expected")
+    scores.update(found)
 
 
 def _summary(

@@ -141,8 +141,7 @@ def _fc_against_fs(params: Params, inputs: list[Path]) -> "Figure":
     name, folder = "foggy_cityscapes/all", root(params, "foggy_cityscapes")
     inputs += [index_path(name), index_path("cityscapes/all")]
     index = read_index(name)
-    expect(index, [params.scenes.refined_list], "foggy_cityscapes")
-    refined = foggy_cityscapes.read_refined(folder / params.scenes.refined_list)["train"][:count]
+    refined = foggy_cityscapes.read_refined(folder, params.scenes.refined_list, index)["train"][:count]
     paths = [foggy_cityscapes.image(frame, beta) for frame in refined]
     expect(index, paths, "foggy_cityscapes")
     partly = [read_rgb(read_checked(folder / path, index[path]), path) for path in paths]
@@ -262,7 +261,7 @@ def _scores(params: Params, inputs: list[Path], test_set: str) -> dict[str, dict
 
 
 def _title(params: Params, test_set: str) -> str:
-    return TEST_SETS[test_set] + (" (stand-in)" if params.tables.stand_in else "")
+    return TEST_SETS[test_set] + (" (stand-in)" if params.stand_in else "")
 
 
 def spread(items: list, count: int) -> list:

@@ -1,7 +1,6 @@
 """filter: one table of all frames with their metadata, and which of them are kept. Reads no pixel."""
 
 import argparse
-import difflib
 from pathlib import Path
 
 from foggy_synscapes.datasets import synscapes
@@ -33,9 +32,8 @@ def filter(params: Params) -> None:
     Raises
     ------
     FoggyError
-        If a rule names no scene key, a meta file is missing or lacks a key, or no frame is left.
+        If a meta file is missing or lacks a key, or no frame is left.
     """
-    _check_keys(params.filter.rules)
     names = [f"synscapes/{shard}" for shard in params.scenes.shards]
     index, folder = read_index(*names), root(params, "synscapes")
     ids = sorted(int(Path(path).stem) for path in index if path.startswith("meta/"))
@@ -79,11 +77,3 @@ def filter_out(scene: dict[str, float], rules: list[FilterRule]) -> list[str]:
         if rule.maximum is not None and not value <= rule.maximum:
             reasons.append(f"{rule.key} {value:g} above {rule.maximum:g}")
     return reasons
-
-
-def _check_keys(rules: list[FilterRule]) -> None:
-    for number, rule in enumerate(rules):
-        if rule.key not in synscapes.SCENE_KEYS:
-            close = difflib.get_close_matches(rule.key, synscapes.SCENE_KEYS, n=1)
-            hint = f"; did you mean {close[0]}?" if close else ""
-            raise FoggyError(f"filter.rules.{number}.key: {rule.key!r} is no scene key of Synscapes{hint}")

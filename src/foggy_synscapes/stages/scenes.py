@@ -9,7 +9,7 @@ from pathlib import Path
 
 from foggy_synscapes import closure
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, stand_in, synscapes
-from foggy_synscapes.datasets.index import FOLDER, index_path, write_index
+from foggy_synscapes.datasets.index import CACHE, FOLDER, index_path, write_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import sha256
@@ -111,9 +111,17 @@ def _lists(params: Params, dataset: str, frames: list) -> stand_in.Files:
 
 
 def _render(params: Params, dataset: str, folder: Path, readme: Path, jobs: int) -> None:
-    """Write every file of the stand-in that is not there already, and remove what is not part of it."""
+    """Write every file of the stand-in that is not there already, and remove what is not part of it.
+
+    Raises FoggyError if the folder is a link: what it leads to is not ours to write to or to clear.
+    """
+    if folder.resolve() != Path("results").resolve() / folder.relative_to("results"):
+        raise FoggyError(
+            f"{folder}: leads to {folder.resolve()}. The stand-in is not written through a link. Remove the link; "
+            f"to read a dataset from there, name its folder in scenes.roots.{dataset}."
+        )
     frames = _frames(params, dataset)
-    made = _Made(FOLDER.parent / "cache" / dataset / "frames.json", _fingerprint(params, dataset), folder)
+    made = _Made(CACHE / dataset / "frames.json", _fingerprint(params, dataset), folder)
     waiting = [frame for frame in frames if not made.has(frame.paths())]
     for number, files in enumerate(
         progress(_rendered(waiting, jobs), f"scenes {dataset}", total=len(waiting)), start=1
@@ -224,7 +232,7 @@ def _files_of(params: Params, dataset: str, folder: Path) -> list[str]:
             )
         return [path for pair in pairs for path in pair]
     if dataset == "foggy_cityscapes":
-        refined = foggy_cityscapes.read_refined(folder / params.scenes.refined_list)
+        refined = foggy_cityscapes.read_refined(folder, params.scenes.refined_list)
         names = [frame for frames in refined.values() for frame in frames]
         betas = [
             beta

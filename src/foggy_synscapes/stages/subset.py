@@ -8,7 +8,6 @@ from pathlib import Path
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, synscapes, uris
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.shards import read_manifest
 from foggy_synscapes.io.tables import read_csv, write_csv
@@ -128,16 +127,13 @@ def _foggy_cityscapes(
     """Refined images of both splits; a count of None takes all."""
     labels = _read_indexes(["cityscapes/all"], inputs)
     images = _read_indexes(["foggy_cityscapes/all"], inputs)
-    name = params.scenes.refined_list
-    expect(images, [name], "foggy_cityscapes")
-    path = root(params, "foggy_cityscapes") / name
-    read_checked(path, images[name])
-    refined = foggy_cityscapes.read_refined(path)
+    folder, name = root(params, "foggy_cityscapes"), params.scenes.refined_list
+    refined = foggy_cityscapes.read_refined(folder, name, images)
     result = []
     for split, count, part in zip(("train", "val"), counts, ("train", "validation"), strict=True):
         frames = refined[split] if count is None else _take(refined[split], count, f"{what}.{part}")
         if not frames:
-            raise FoggyError(f"{path}: names no frame of the {split} split")
+            raise FoggyError(f"{folder / name}: names no frame of the {split} split")
         named = [(foggy_cityscapes.image(frame, beta), frame) for frame in frames]
         result.append(list(_pairs(images, labels, named, "foggy_cityscapes")))
     return result[0], result[1]

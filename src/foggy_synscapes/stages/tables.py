@@ -61,7 +61,10 @@ def tables(params: Params, test_set: str) -> None:
     FoggyError
         If a metrics file is damaged or of other classes, or two runs were scored against other label maps.
     """
-    labels = [RowLabel(r.row, r.training, r.fine_tuning, r.images, r.here) for r in params.tables.rows]
+    lists, rows = params.subset.rows(), [entry.row for entry in params.tables.rows]
+    # The baseline is trained, not fine-tuned: its row names no number of images, as in the paper.
+    used = {row: lists[row].train if row in lists and row not in params.train.from_weights else None for row in rows}
+    labels = [RowLabel(r.row, r.training, r.fine_tuning, r.images, used[r.row]) for r in params.tables.rows]
     networks, seeds = list(params.train.networks), list(params.train.seeds)
     # Metrics of a row that these params do not train may lie there from others: they are not of this experiment.
     trained = [*params.train.from_weights, *params.train.from_baseline]
@@ -78,14 +81,17 @@ def tables(params: Params, test_set: str) -> None:
                     _same_labels(documents, path)
     results = collect(networks, labels, runs, load_published(test_set))
     outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md")]
-    made = grids(test_set, results, annotated_classes(documents), seeds, params.tables.stand_in)
+    made = grids(test_set, results, annotated_classes(documents), seeds, params.stand_in)
     write_csv(outputs[0], *long_columns(test_set, results, seeds))
     write_text(outputs[1], latex.document(made, f"Made by foggy tables --test-set {test_set}."))
     write_text(outputs[2], "\n".join(markdown.table(grid) for grid in made))
     write_run(
         FOLDER / f"{test_set}.run.json",
         command=["foggy", "tables", "--test-set", test_set],
-        params={"tables": params.tables.model_dump(), "train": {"networks": networks, "seeds": seeds, "rows": trained}},
+        params={
+            "tables": {**params.tables.model_dump(), "images": used, "stand_in": params.stand_in},
+            "train": {"networks": networks, "seeds": seeds, "rows": trained},
+        },
         inputs=inputs,
         outputs=outputs,
     )

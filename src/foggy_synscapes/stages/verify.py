@@ -19,7 +19,15 @@ def run(args: argparse.Namespace) -> None:
     """Run the command; any difference is an error."""
     problems, count = verify(args.path)
     if problems:
-        raise FoggyError("\n".join([f"{len(problems)} of {count} files differ from their run records:", *problems]))
+        raise FoggyError(
+            "\n".join(
+                [
+                    f"{len(problems)} of {count} files differ from their run records:",
+                    *problems,
+                    "Delete them and run the engine again; it makes what is missing.",
+                ]
+            )
+        )
     print(f"verify: {count} files are what their run records say")
 
 
