@@ -28,7 +28,6 @@ TOOLS = {
     "trace": "show what a result was made from, down to the raw data",
     "unpack": "unpack fog shards into folders",
     "verify": "hash results again and compare with their run records",
-    "weights": "turn public weights into those that trainings start from",
     "weights": "import public weights to start from or to score",
 }
 
