@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from foggy_synscapes.datasets import index, uris
+from foggy_synscapes.datasets import index, lists, uris
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import replacing, write_bytes, write_text
 from foggy_synscapes.io.hashing import sha256_bytes
@@ -141,3 +141,33 @@ def test_a_uri_gives_the_listed_bytes_and_no_others(dataset: Path, tmp_path: Pat
             reader.read(uri, "")
     with pytest.raises(FoggyError, match="no dataset 'kitti'"):
         reader.read("kitti:b.png", "")
+
+
+def test_a_list_file_must_be_as_indexed_and_name_each_file_once(dataset: Path) -> None:
+    write_text(dataset / "list.txt", "a/c.png\nb.png\n")
+    index.write_index("demo/all", dataset, ["list.txt"])
+    listed = index.read_index("demo/all")
+    assert lists.read_list(dataset, "list.txt", listed) == ["a/c.png", "b.png"]
+    write_text(dataset / "list.txt", "a/c.png\n")
+    with pytest.raises(FoggyError, match="changed since it was listed"):
+        lists.read_list(dataset, "list.txt", listed)
+    for text, message in (
+        ("b.png\nb.png\n", "stands there twice"),
+        ("../b.png\n", "leads out"),
+        ("\n", "names no file"),
+    ):
+        write_text(dataset / "list.txt", text)
+        with pytest.raises(FoggyError, match=message):
+            lists.read_list(dataset, "list.txt")
+
+
+def test_images_are_paired_with_the_labels_of_their_own_frame() -> None:
+    images, labels = (
+        ["x/a_leftImg8bit.png", "x/b_leftImg8bit.png"],
+        ["y/a_gtFine_labelIds.png", "y/b_gtFine_labelIds.png"],
+    )
+    assert lists.paired(images, labels, "demo") == list(zip(images, labels, strict=True))
+    with pytest.raises(FoggyError, match=r"line 1 of its lists names x/a_leftImg8bit\.png, but labels of another frame"):
+        lists.paired(images, labels[::-1], "demo")
+    with pytest.raises(FoggyError, match="2 images but 1 label maps"):
+        lists.paired(images, labels[:1], "demo")

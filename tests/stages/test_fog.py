@@ -328,3 +328,24 @@ def test_help_needs_no_numba(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "1/m" in done.stdout
+
+
+def test_a_folder_made_of_other_frames_or_another_camera_is_refused(root: Path, tmp_path: Path, capsys) -> None:
+    other = write_frames(tmp_path / "other", 3)
+    assert fog(root, tmp_path / "out") == 0
+    before = tree(tmp_path / "out")
+    assert "frames was" in failure(capsys, fog(other, tmp_path / "out"))
+    camera = tmp_path / "camera.json"
+    camera.write_text(camera_json())
+    assert "frames was" in failure(capsys, fog(root, tmp_path / "out", "--camera", str(camera)))
+    assert tree(tmp_path / "out") == before
+
+
+def test_an_image_that_is_replaced_by_an_older_one_gets_new_fog(root: Path, tmp_path: Path) -> None:
+    out, image = tmp_path / "out", root / "img/rgb/1.png"
+    assert fog(root, out) == 0
+    time.sleep(0.05)
+    image.write_bytes(encode_png(np.full((*SIZE, 3), 77, np.uint8)))
+    os.utime(image, (1e9, 1e9))
+    assert fog(root, out) == 0
+    assert list(read_csv(out / "airlight.csv")[0].values()) == ["1", "77", "77", "77", "0", "0"]

@@ -231,3 +231,15 @@ def test_wrong_calls_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         scenes(small(roots={"cityscapes": "nowhere"}), "cityscapes")
     with pytest.raises(FoggyError, match="8 refined frames of 7 without a blue sky"):
         scenes(small(foggy_cityscapes={"train": 8, "val": 2}), "foggy_cityscapes")
+
+
+def test_a_linked_folder_is_neither_written_to_nor_cleared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    precious = tmp_path / "precious"
+    precious.mkdir()
+    (precious / "mine.txt").write_text("mine")
+    HERE.mkdir(parents=True)
+    (HERE / "foggy_zurich").symlink_to(precious)
+    with pytest.raises(FoggyError, match="not written through a link"):
+        scenes(small(), "foggy_zurich")
+    assert [path.name for path in precious.iterdir()] == ["mine.txt"]
