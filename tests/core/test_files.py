@@ -167,7 +167,9 @@ def test_images_are_paired_with_the_labels_of_their_own_frame() -> None:
         ["y/a_gtFine_labelIds.png", "y/b_gtFine_labelIds.png"],
     )
     assert lists.paired(images, labels, "demo") == list(zip(images, labels, strict=True))
-    with pytest.raises(FoggyError, match=r"line 1 of its lists names x/a_leftImg8bit\.png, but labels of another frame"):
+    with pytest.raises(
+        FoggyError, match=r"line 1 of its lists names x/a_leftImg8bit\.png, but labels of another frame"
+    ):
         lists.paired(images, labels[::-1], "demo")
     with pytest.raises(FoggyError, match="2 images but 1 label maps"):
         lists.paired(images, labels[:1], "demo")
