@@ -211,7 +211,7 @@ def _predictions(params: Params, inputs: list[Path], test_set: str) -> "Figure":
         lines += block
         notes += scores
         names += [NETWORKS[network]] * len(pairs)
-    title = f"{TEST_SETS[test_set]}: predictions of each training row; in the corner, mean IoU of the image in percent"
+    title = f"{_title(params, test_set)}: predictions of each row; in the corner, mean IoU of the image in percent"
     return grid(lines, ["image", "ground truth", *rows], names, notes, legend=True, title=title)
 
 
