@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import policies
 import pytest
 import torch
 
@@ -11,31 +12,10 @@ from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Preprocessing, dump
 from foggy_synscapes.training import loop
 from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
-from foggy_synscapes.training.policy import Policy
 
 BISENET = NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=4)
 REFINENET = NetworkConfig("refinenet", "resnet18", width=4, decoder=4, classes=4, auxiliary=False)
-POLICY = Policy(
-    learning_rate=0.05,
-    schedule="poly",
-    power=0.9,
-    momentum=0.9,
-    weight_decay=0.0005,
-    norm_weight_decay=0.0,
-    batch=2,
-    accumulate=1,
-    crop=(32, 32),
-    scale=(0.75, 1.5),
-    flip=True,
-    loss="ohem",
-    ohem_threshold=0.7,
-    ohem_kept=0.0625,
-    auxiliary_weight=1.0,
-    loss_stride=4,
-    backbone_rate=1.0,
-    new_layer_rate=2.0,
-    freeze_batch_norm=False,
-)
+POLICY = replace(policies.POLICY, learning_rate=0.05, batch=2, new_layer_rate=2.0)
 PLAN = loop.Plan(steps=10, validate_every=4, curve_every=3, snapshot_every=1, seed=5, workers=0)
 
 

@@ -74,11 +74,6 @@ def shard_frames(shard: str, size: int, last: int | None = None) -> range:
     return range(first, end if last is None else min(end, last + 1))
 
 
-def shard_of(frame: int, size: int) -> str:
-    """Name of the shard that holds a frame."""
-    return f"{(frame - 1) // size:04d}"
-
-
 def camera_of(row: Mapping[str, str]) -> Camera:
     """Camera from a row of `kept.csv`: its columns fx, fy, u0, v0, resx and resy."""
     return Camera(*(float(row[name]) for name in ("fx", "fy", "u0", "v0")), int(row["resx"]), int(row["resy"]))
