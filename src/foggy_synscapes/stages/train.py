@@ -22,6 +22,7 @@ from foggy_synscapes.training_params import Duration, NetworkSettings
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.weights import Model
+    from foggy_synscapes.training.ranks import Ranks
 
 HELP = "Train a network on a row's list, from its own weights or from the baseline; goes on where it was interrupted."
 FOLDER = Path("results/train")
@@ -29,6 +30,8 @@ LISTS = Path("results/subset")
 BASELINE = "C"
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes")
 NO_WEIGHTS = "none"
+LAUNCHED = ("RANK", "WORLD_SIZE", "LOCAL_RANK", "MASTER_ADDR", "MASTER_PORT")
+"""What torchrun tells the processes that it starts."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,21 +42,31 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Run the step from the command line."""
+    """Run the step from the command line, alone or as one of the processes that torchrun started."""
+    if not all(name in os.environ for name in LAUNCHED):
+        _run(args)
+        return
+    from foggy_synscapes.training.ranks import joined
+
+    with joined() as ranks:
+        _run(args, ranks)
+
+
+def _run(args: argparse.Namespace, ranks: "Ranks | None" = None) -> None:
     params = load(args.params)
     rows = [*params.train.from_weights, *params.train.from_baseline]
     if args.row not in rows:
         raise UsageError(f"--row {args.row}: not in the params section train; it has {', '.join(rows)}")
     if not args.seed.isascii() or not args.seed.isdigit():
         raise UsageError(f"--seed {args.seed}: expected a whole number from 0")
-    train(params, args.network, args.row, args.seed)
+    train(params, args.network, args.row, args.seed, ranks)
 
 
-def train(params: Params, network: str, row: str, seed: str) -> None:
+def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | None" = None) -> None:
     """Write `model.safetensors`, `curves.csv` and `run.json` to results/train/NETWORK/ROW/seed-SEED.
 
     A training that was cut off goes on from `snapshot.safetensors` in the same folder, to the same bytes as if it had
-    not been; the snapshot is removed at the end.
+    not been; the snapshot is removed at the end. Of several processes (`ranks`) the first writes.
 
     Raises
     ------
@@ -66,12 +79,15 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     from foggy_synscapes.training import loop
     from foggy_synscapes.training.forward import Arithmetic
     from foggy_synscapes.training.policy import Policy
+    from foggy_synscapes.training.ranks import ALONE
     from foggy_synscapes.training.snapshots import SnapshotError
 
+    ranks = ranks or ALONE
     settings: NetworkSettings = getattr(params.train, network)
     fine_tuned = row in params.train.from_baseline
     if not fine_tuned and settings.baseline is None:
-        _take_weights(params, settings, network, row, seed)
+        if ranks.first:
+            _take_weights(params, settings, network, row, seed)
         return
     chosen = settings.fine_tuning if fine_tuned else settings.baseline
     policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
@@ -83,8 +99,9 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
     model = _start(settings, network, start, int(seed))
     reader, budget = Reader({name: root(params, name) for name in DATASETS}), params.train.cache * 2**20
     training = Listed(lists["train"], reader, budget)
-    validation = Listed(lists["validation"], reader, budget - training.held)
-    record = _record(params, settings, network, row, fine_tuned)
+    # Only the first process validates.
+    validation = Listed(lists["validation"], reader, budget - training.held) if ranks.first else None
+    record = _record(params, settings, network, row, fine_tuned) | {"processes": ranks.count}
     inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
     # Code and libraries too: weights must not come half from one version of the loss and half from another.
     made_by = {"code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")}}
@@ -96,9 +113,18 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
         "inputs": {Path(path).as_posix(): sha256(path) for path in inputs},
     }
     snapshot = folder / "snapshot.safetensors"
+    earlier = snapshot.read_bytes() if snapshot.exists() else None
+    if earlier and ranks.first:
+        print(f"train {network} {row}: going on from {snapshot}")
     try:
         plan = _plan(params, schedule.length, schedule.validate_, training.count, policy.batch, int(seed))
-        bar = tqdm(desc=f"train {network} {row}", unit="image", total=plan.steps * policy.batch, disable=None)
+        ranks.take_device(params.train.device)
+        bar = tqdm(
+            desc=f"train {network} {row}",
+            unit="image",
+            total=plan.steps * policy.batch,
+            disable=None if ranks.first else True,
+        )
         with bar:
             outcome = loop.train(
                 model.network,
@@ -110,8 +136,9 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
                 validation,
                 save=lambda data: write_bytes(snapshot, data),
                 settings=identity,
-                snapshot=_resume(snapshot, network, row),
+                snapshot=earlier,
                 report=_reporter(bar, policy.batch),
+                ranks=ranks,
             )
     except SnapshotError as error:
         raise FoggyError(
@@ -126,6 +153,8 @@ def train(params: Params, network: str, row: str, seed: str) -> None:
             f"{network} {row}: not enough memory for batches of {policy.batch} crops of {policy.crop[0]} x "
             f"{policy.crop[1]} pixels. Raise train.{network}.*.accumulate, or lower batch or crop."
         ) from error
+    if not ranks.first:
+        return
     model.network.load_state_dict(outcome.best)
     _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs)
     snapshot.unlink(missing_ok=True)
@@ -222,13 +251,6 @@ def _record(params: Params, settings: NetworkSettings, network: str, row: str, f
     if fine_tuned:
         record["rows"] = {row: params.train.rows[row].model_dump(by_alias=True)}
     return record
-
-
-def _resume(snapshot: Path, network: str, row: str) -> bytes | None:
-    if not snapshot.exists():
-        return None
-    print(f"train {network} {row}: going on from {snapshot}")
-    return snapshot.read_bytes()
 
 
 def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:

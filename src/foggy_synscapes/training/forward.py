@@ -1,5 +1,6 @@
 """From 8-bit images and labels to a network's outputs and the targets beside them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -21,11 +22,13 @@ class Arithmetic:
 
     device : "cpu" or "cuda"; precision : "float32", or "bfloat16" (autocast: weights stay float32)
     memory_format : "channels_last", in which convolutions on processors are faster, or "contiguous"
+    compile : train on the network compiled by `torch.compile`; validation stays as it is, for images of any size
     """
 
     device: str = "cpu"
     precision: str = "float32"
     memory_format: str = "channels_last"
+    compile: bool = False
 
     def layout(self) -> torch.memory_format:
         """PyTorch's name for the memory format."""
@@ -43,16 +46,17 @@ def forward(
     stride: int,
     images: Tensor,
     labels: Tensor,
+    outputs: Callable[[Tensor], list[Tensor]] | None = None,
 ) -> tuple[list[Tensor], Tensor]:
     """Outputs of a network, and the targets that a loss of a stride compares them with.
 
     images : uint8 (B, 3, H, W); labels : uint8 (B, H, W). Both are padded to the network's stride, labels with ignored
-    pixels.
+    pixels. outputs : called instead of the network's own `outputs`, which it wraps
     Returns the network's outputs (see `Network.outputs`) and targets uint8 (B, h, w) (see `losses.grid`).
     """
     inputs = padded(preprocessing.apply(images.to(arithmetic.device, non_blocking=True)))
     with torch.autocast(arithmetic.device, torch.bfloat16, enabled=arithmetic.precision == "bfloat16"):
-        outputs = network.outputs(inputs.contiguous(memory_format=arithmetic.layout()))
+        found = (outputs or network.outputs)(inputs.contiguous(memory_format=arithmetic.layout()))
     below, right = inputs.shape[-2] - labels.shape[-2], inputs.shape[-1] - labels.shape[-1]
     labels = functional.pad(labels.to(arithmetic.device, non_blocking=True), (0, right, 0, below), value=IGNORE)
-    return outputs, grid(labels, stride, network.corners)
+    return found, grid(labels, stride, network.corners)

@@ -12,6 +12,7 @@ from torch.utils.data import DataLoader, Dataset
 from foggy_synscapes.training.augment import augment
 from foggy_synscapes.training.order import batch_indices
 from foggy_synscapes.training.policy import Policy
+from foggy_synscapes.training.ranks import ALONE, Ranks
 from foggy_synscapes.training.streams import generator
 
 Sample = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3) and labels uint8 (H, W), trainIds
@@ -29,7 +30,10 @@ class Samples(Protocol):
 
 @dataclass(frozen=True)
 class Batch:
-    """Images uint8 (B, 3, H, W) in RGB order, labels uint8 (B, H, W) as trainIds, and the samples' indices."""
+    """Images uint8 (B, 3, H, W) in RGB order, labels uint8 (B, H, W) as trainIds, and the samples' indices.
+
+    Where several processes share a step, the images and labels are this process's, the indices those of the whole step.
+    """
 
     images: Tensor
     labels: Tensor
@@ -39,9 +43,12 @@ class Batch:
 class Steps(Dataset):
     """Item i is the batch of step `first` + i: a pure function of the seed and of the step."""
 
-    def __init__(self, samples: Samples, policy: Policy, seed: int, first: int, last: int) -> None:
+    def __init__(
+        self, samples: Samples, policy: Policy, seed: int, first: int, last: int, ranks: Ranks = ALONE
+    ) -> None:
         self.samples, self.policy, self.seed = samples, policy, seed
         self.first, self.last = first, last
+        self.places = ranks.places(policy.batch, policy.accumulate)
 
     def __len__(self) -> int:
         return self.last - self.first
@@ -52,9 +59,9 @@ class Steps(Dataset):
         step, policy = self.first + item, self.policy
         indices = batch_indices(self.seed, step, self.samples.count, policy.batch)
         parts = []
-        for place, index in enumerate(indices):
+        for place in self.places:
             random = generator(self.seed, "augment", step, place)
-            parts.append(augment(*self.samples.load(index), policy.crop, policy.scale, policy.flip, random))
+            parts.append(augment(*self.samples.load(indices[place]), policy.crop, policy.scale, policy.flip, random))
         return collate([image for image, _ in parts], [labels for _, labels in parts], indices)
 
 

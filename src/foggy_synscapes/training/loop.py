@@ -1,7 +1,9 @@
 """The training loop."""
 
+import json
 import math
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import torch
@@ -14,6 +16,8 @@ from foggy_synscapes.training.forward import Arithmetic, NotFiniteError, forward
 from foggy_synscapes.training.loader import Batch, Samples, Steps, batches
 from foggy_synscapes.training.order import steps_per_epoch
 from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
+from foggy_synscapes.training.ranks import ALONE, Ranks
+from foggy_synscapes.training.shared import Learner
 from foggy_synscapes.training.snapshots import Progress
 from foggy_synscapes.training.streams import seed_torch
 from foggy_synscapes.training.validation import validate
@@ -59,21 +63,28 @@ def train(
     plan: Plan,
     arithmetic: Arithmetic,
     training: Samples,
-    validation: Samples,
+    validation: Samples | None,
     save: Callable[[bytes], None],
     settings: dict,
     snapshot: bytes | None = None,
     report: Callable[[int, float, float], None] = lambda step, loss, rate: None,
+    record: Callable[[list], None] = lambda row: None,
+    ranks: Ranks = ALONE,
 ) -> Outcome:
     """Train a network, keep the weights of the lowest validation loss, and save snapshots to go on from.
 
     Started again with the last snapshot and the same arguments, the outcome is the same to the last bit.
 
+    Several processes that share a training take the samples of a step that one would take, and add up one loss and
+    gradient (see `ranks`); the first validates and saves, and its outcome is the training's.
+
     Parameters
     ----------
+    validation : the list that snapshots are compared on; only the first process needs it
     save : takes the bytes of a snapshot; settings : plain values that identify the training, kept in it
     snapshot : bytes that `save` was given in an earlier run, or None to begin
     report : called after each step with the number of steps done, the step's loss and its learning rate
+    record : called with each row of the curve, with those of earlier runs too; ranks : who shares this training
 
     Raises
     ------
@@ -82,7 +93,7 @@ def train(
     SnapshotError
         If the snapshot is not one of this training (see `snapshots.restore`).
     ValueError
-        If a batch is larger than the list.
+        If a batch is larger than the list, or if the processes cannot share it or were given other settings.
     """
     epoch = steps_per_epoch(training.count, policy.batch)
     arithmetic.place(network)
@@ -92,14 +103,18 @@ def train(
     progress = Progress()
     if snapshot is not None:
         best, progress = snapshots.restore(snapshot, network, optimiser, settings)
-    steps = Steps(training, policy, plan.seed, progress.step, plan.steps)
+        for row in progress.curve:
+            record(row)
+    ranks.agree(json.dumps([settings, progress.step], sort_keys=True))
+    steps = Steps(training, policy, plan.seed, progress.step, plan.steps, ranks)
+    learner = Learner(network, ranks, arithmetic.compile)
     for batch in batches(steps, plan.workers, pinned=arithmetic.device == "cuda"):
         step = progress.step
         rate = policy.rate(step, plan.steps)
         for group in optimiser.param_groups:
             group["lr"] = rate * group["factor"]
         seed_torch(plan.seed, "dropout", step)
-        loss = _step(network, preprocessing, policy, arithmetic, optimiser, batch)
+        loss = _step(network, learner, preprocessing, policy, arithmetic, optimiser, batch, ranks)
         if not math.isfinite(loss):
             names = ", ".join(training.name(index) for index in batch.indices)
             raise NotFiniteError(f"loss is {loss} at step {step + 1}, on {names}. Is the learning rate too high?")
@@ -107,7 +122,7 @@ def train(
         progress.losses = [progress.losses[0] + loss, progress.losses[1] + 1]
         last = done == plan.steps
         scores: tuple[float | None, float | None] = (None, None)
-        if done % plan.validate_every == 0 or last:
+        if ranks.first and (done % plan.validate_every == 0 or last):
             scores = validate(network, preprocessing, policy, arithmetic, validation)
             if progress.best_loss is None or scores[0] < progress.best_loss:
                 progress.best_loss, progress.best_step = scores[0], done
@@ -117,7 +132,8 @@ def train(
             mean = progress.losses[0] / progress.losses[1]
             progress.curve.append([done, done / epoch, rate, mean, *scores])
             progress.losses = [0.0, 0]
-        if done % plan.snapshot_every == 0 and not last:
+            record(progress.curve[-1])
+        if ranks.first and done % plan.snapshot_every == 0 and not last:
             save(snapshots.dump(network, optimiser, best, progress, settings))
         report(done, loss, rate)
     return Outcome(best, progress.best_step, progress.best_loss, progress.curve)
@@ -125,30 +141,37 @@ def train(
 
 def _step(
     network: Network,
+    learner: Learner,
     preprocessing: Preprocessing,
     policy: Policy,
     arithmetic: Arithmetic,
     optimiser: torch.optim.Optimizer,
     batch: Batch,
+    ranks: Ranks,
 ) -> float:
     """One optimiser step; returns the loss, the mean over the passes into which the batch is split."""
     optimiser.zero_grad(set_to_none=True)
     value = 0.0
     parts = zip(batch.images.chunk(policy.accumulate), batch.labels.chunk(policy.accumulate), strict=True)
-    for images, labels in parts:
-        outputs, targets = forward(network, preprocessing, arithmetic, policy.loss_stride, images, labels)
-        loss = losses.total(
-            outputs,
-            targets,
-            network.corners,
-            policy.loss,
-            policy.ohem_threshold,
-            policy.ohem_kept,
-            policy.auxiliary_weight,
-        )
-        loss = loss / policy.accumulate
-        loss.backward()
-        value += float(loss.detach())
+    for number, (images, labels) in enumerate(parts, start=1):
+        with nullcontext() if number == policy.accumulate else learner.without_exchange():
+            outputs, targets = forward(
+                network, preprocessing, arithmetic, policy.loss_stride, images, labels, learner.outputs
+            )
+            loss = losses.total(
+                outputs,
+                targets,
+                network.corners,
+                policy.loss,
+                policy.ohem_threshold,
+                policy.ohem_kept,
+                policy.auxiliary_weight,
+                ranks,
+            )
+            loss = loss / policy.accumulate
+            # Gradients are averaged over the processes, but the loss is the sum of their parts.
+            (loss * ranks.count if ranks.count > 1 else loss).backward()
+        value += float(ranks.total(loss.detach()))
     if math.isfinite(value):
         optimiser.step()
     return value

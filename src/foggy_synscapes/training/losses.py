@@ -8,6 +8,7 @@ import torch.nn.functional as functional
 from torch import Tensor
 
 from foggy_synscapes.networks.network import resize
+from foggy_synscapes.training.ranks import ALONE, Ranks
 
 IGNORE = 255
 
@@ -45,26 +46,34 @@ def pixel_losses(logits: Tensor, targets: Tensor, corners: bool) -> tuple[Tensor
     return losses, target != IGNORE, flat
 
 
-def cross_entropy(losses: Tensor, labelled: Tensor) -> Tensor:
-    """Mean over the labelled pixels; 0, with a gradient of 0, where there is none."""
-    return losses.sum() / labelled.sum().clamp(min=1)
+def cross_entropy(losses: Tensor, labelled: Tensor, ranks: Ranks = ALONE) -> Tensor:
+    """Mean over the labelled pixels; 0, with a gradient of 0, where there is none.
+
+    Of several processes, each gives what its pixels add to the mean over those of all: the loss is the sum of parts.
+    """
+    return losses.sum() / ranks.total(labelled.sum()).clamp(min=1)
 
 
-def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: float) -> Tensor:
+def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: float, ranks: Ranks = ALONE) -> Tensor:
     """Online hard example mining: mean over the hard pixels.
 
     A labelled pixel is hard if the probability of its true class is at most `threshold`. If these are fewer than the
-    share `kept` of all pixels, ignored ones included, so many of the hardest count, and all as hard as the last.
+    share `kept` of all pixels, ignored ones included, so many of the hardest count, and all as hard as the last. The
+    pixels are those of all processes (see `cross_entropy`).
     Source: TorchSeg (ProbOhemCrossEntropy2d), stated there on probabilities; on losses it holds for extreme logits too.
     """
-    at_least = min(int(kept * labelled.numel()), int(labelled.sum()))
+    at_least = min(int(kept * (labelled.numel() * ranks.count)), int(ranks.total(labelled.sum())))
     limit = losses.new_tensor(-math.log(threshold))
     hard = labelled & (losses >= limit)
-    if int(hard.sum()) < at_least:
+    if int(ranks.total(hard.sum())) < at_least:
         # Ignored pixels must not take places among the hardest: their loss of 0 ties with perfect predictions.
-        limit = losses.detach().masked_fill(~labelled, -1.0).topk(at_least, sorted=False).values.min()
-        hard = labelled & (losses >= limit)
-    return cross_entropy(losses * hard, hard)
+        candidates = losses.detach().masked_fill(~labelled, -1.0)
+        hardest = candidates.topk(min(at_least, len(candidates)), sorted=False).values
+        if ranks.count > 1:
+            # The hardest of all are among the hardest of each.
+            hardest = ranks.gathered(hardest).topk(at_least, sorted=False).values
+        hard = labelled & (losses >= hardest.min())
+    return cross_entropy(losses * hard, hard, ranks)
 
 
 def total(
@@ -75,15 +84,19 @@ def total(
     threshold: float = 0.7,
     kept: float = 1 / 16,
     auxiliary_weight: float = 1.0,
+    ranks: Ranks = ALONE,
 ) -> Tensor:
-    """Loss of the main output plus the weighted losses of the auxiliary ones; targets uint8 (B, H, W) of `grid`."""
+    """Loss of the main output plus the weighted losses of the auxiliary ones; targets uint8 (B, H, W) of `grid`.
+
+    Of several processes, each gives its part of the sum (see `cross_entropy`).
+    """
     parts = []
     for logits in outputs:
         losses, labelled, _ = pixel_losses(logits, targets, corners)
         if loss == "ohem":
-            parts.append(hard_examples(losses, labelled, threshold, kept))
+            parts.append(hard_examples(losses, labelled, threshold, kept, ranks))
         elif loss == "cross_entropy":
-            parts.append(cross_entropy(losses, labelled))
+            parts.append(cross_entropy(losses, labelled, ranks))
         else:
             raise ValueError(f"loss: {loss!r}, expected cross_entropy or ohem")
     return parts[0] + auxiliary_weight * sum(parts[1:]) if len(parts) > 1 else parts[0]
