@@ -166,6 +166,7 @@ class Fog(Section):
     frames: Ends
     blue_airlight: Literal["keep", "drop", "grey"]
     png_level: Annotated[int, Field(ge=0, le=3)]
+    render: Literal["ahead", "on_the_fly"]
 
     @model_validator(mode="after")
     def _distinct(self) -> "Fog":

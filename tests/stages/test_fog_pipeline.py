@@ -11,11 +11,12 @@ from fog_frames import CAMERA, content, tree, write_frame, write_frames
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import write_index
+from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import rays
 from foggy_synscapes.fog.optics import foggy_images
-from foggy_synscapes.fogging import pipeline
+from foggy_synscapes.fogging import pipeline, recipes
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_rgb
 from foggy_synscapes.io.plain_yaml import read_yaml
@@ -231,3 +232,75 @@ def test_unpack_refuses_a_shard_that_is_not_as_its_manifest_says(params: Params,
     MANIFEST.write_text("\n".join(lines[:-1]) + "\n")
     assert main(["unpack", str(SHARD), "--out", "unpacked"]) == 1
     assert "its members are not those of 0000.csv" in capsys.readouterr().err
+
+
+def reader() -> Reader:
+    return Reader({"synscapes": Path("synscapes")})
+
+
+def test_a_recipe_gives_the_pixels_of_the_rendered_image(params: Params) -> None:
+    make(params)
+    with Shard(SHARD) as shard:
+        rendered = {name: read_rgb(shard.read(name)) for name in shard.names()}
+    make(change(render="on_the_fly"))
+    assert names() == [name.replace(".png", ".json") for name in rendered]
+    with Shard(SHARD) as shard:
+        for name, image in rendered.items():
+            made = recipes.composite(shard.read(name.replace(".png", ".json")), reader().read, name)
+            np.testing.assert_array_equal(made, image)
+    assert SHARD.stat().st_size < 20_000
+
+
+def test_a_recipe_is_kept_after_an_interruption(params: Params, monkeypatch: pytest.MonkeyPatch) -> None:
+    params = change(render="on_the_fly")
+    make(params)
+    whole = sha256(SHARD)
+    SHARD.unlink()
+    written = []
+
+    def stop(*arguments: object) -> bytes:
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(arguments)
+        return write(*arguments)
+
+    write = recipes.write
+    with monkeypatch.context() as patch:
+        patch.setattr(recipes, "write", stop)
+        with pytest.raises(KeyboardInterrupt):
+            pipeline.fog(params, "0.005", "0000")
+    pipeline.fog(params, "0.005", "0000")
+    assert sha256(SHARD) == whole
+
+
+def recipe_with(**changed: object) -> bytes:
+    with Shard(SHARD) as shard:
+        return json.dumps(json.loads(shard.read("00001_beta_0.005.json")) | changed).encode()
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"pixels": "0" * 64}, "other pixels come out than when the recipe was written"),
+        ({"beta": "0.01"}, "other pixels come out"),
+        ({"haze": 1}, "no recipe of a foggy image: expected airlight, beta"),
+        ({"inputs": [["synscapes:../../etc/passwd", "0"], ["synscapes:img/depth/1.exr", "0"]]}, "not the name of an"),
+        ({"inputs": [["synscapes:img/rgb/1.png", "0"], ["synscapes:img/depth/1.exr", "0"]]}, "changed since it was"),
+    ],
+)
+def test_a_recipe_that_was_altered_is_refused(params: Params, changed: dict, said: str) -> None:
+    make(change(render="on_the_fly"))
+    with pytest.raises(FoggyError, match=said):
+        recipes.composite(recipe_with(**changed), reader().read, "fog:0000.tar#00001_beta_0.005.json")
+
+
+def test_what_is_no_json_is_no_recipe(params: Params) -> None:
+    with pytest.raises(FoggyError, match="fog:a: no recipe of a foggy image"):
+        recipes.composite(b"\x89PNG", reader().read, "fog:a")
+
+
+def test_recipes_are_not_unpacked_as_images(params: Params, capsys) -> None:
+    make(change(render="on_the_fly"))
+    assert main(["unpack", str(SHARD), "--out", "plain"]) == 1
+    assert "holds recipes, not images" in capsys.readouterr().err
+    assert not Path("plain").exists()

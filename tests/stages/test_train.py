@@ -6,11 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fog_frames import CAMERA, write_frame
 from training_project import frame, hashes, project_in, train, write_list, write_lists
 
 from foggy_synscapes.cli import main
+from foggy_synscapes.datasets import synscapes, uris
+from foggy_synscapes.fogging import recipes, render
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.images import encode_png
+from foggy_synscapes.io.shards import write_shard
 
 
 @pytest.fixture
@@ -258,3 +262,37 @@ def test_a_public_model_is_row_c_where_the_baseline_is_not_trained(project, caps
     project(("bisenet", "baseline"), None)
     assert train() == 0
     assert sha256("public.safetensors") == hashes()["model.safetensors"]
+
+
+def write_foggy_lists(row, recipe):
+    """A shard of foggy images, or of their recipes, and the lists of a row that name its members."""
+    folder, beta = Path("results/scenes/synscapes"), "0.005"
+    index, members, entries = {}, [], []
+    for number in range(1, 7):
+        write_frame(folder, number)
+        label = encode_png(frame(number)[1][:24, :40])
+        (folder / f"{number}.png").write_bytes(label)
+        paths = synscapes.rgb(number), synscapes.depth(number)
+        index |= {path: sha256(folder / path) for path in paths}
+        clear = render.read_clear(*(folder / path for path in paths), *paths)
+        light, _ = render.airlight_of(clear.image, render.KEEP)
+        name = synscapes.foggy_name(number, beta)
+        if recipe:
+            name, data = uris.recipe(name), recipes.write(clear, CAMERA, "paper", light, beta, number, index)
+        else:
+            (data,) = render.foggy_pngs(clear, render.rays_of(clear, CAMERA, "", "paper"), light, [beta], 0)
+        members.append((name, data))
+        entries.append([uris.of_fog(beta, "0000", name), sha256_bytes(data), f"synscapes:{number}.png"])
+        entries[-1].append(sha256_bytes(label))
+    write_shard("results/fog/beta_0.005/0000.tar", members)
+    write_list(row, "train", entries[:4])
+    write_list(row, "validation", entries[4:])
+
+
+def test_fog_on_the_fly_trains_the_same_model_as_fog_ahead(project):
+    models = []
+    for recipe in (False, True):
+        write_foggy_lists("C", recipe)
+        assert train() == 0
+        models.append(hashes()["model.safetensors"])
+    assert models[0] == models[1]

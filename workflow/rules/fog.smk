@@ -35,7 +35,7 @@ rule fog:
     benchmark:
         "results/benchmarks/fog/beta_{beta}_{shard}.tsv"
     params:
-        fog=section("fog", "frames", "geometry", "blue_airlight", "png_level"),
+        fog=section("fog", "frames", "geometry", "blue_airlight", "png_level", "render"),
         scenes=section("scenes", "shard_frames"),
         roots=roots("synscapes"),
     shell:

@@ -13,6 +13,7 @@ from foggy_synscapes.io.hashing import checked, read_checked
 from foggy_synscapes.io.shards import Shard
 
 FOG = Path("results/fog")
+RECIPE = ".json"
 OPEN_SHARDS = 64
 """Shards held open at once; 50 hold the whole of Synscapes at one beta."""
 
@@ -25,6 +26,15 @@ def of_dataset(dataset: str, path: str) -> str:
 def of_fog(beta: str, shard: str, member: str) -> str:
     """URI of a foggy image in a shard."""
     return f"fog:beta_{beta}/{shard}.tar#{member}"
+
+
+def recipe(member: str) -> str:
+    """Name of the member that says how to composite a foggy image, and stands in a shard in its place.
+
+    >>> recipe("00001_beta_0.005.png")
+    '00001_beta_0.005.json'
+    """
+    return member.removesuffix(".png") + RECIPE
 
 
 class Reader:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from foggy_synscapes import closure
 from foggy_synscapes.camera import Camera
-from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight
-from foggy_synscapes.fogging import render
+from foggy_synscapes.fogging import recipes, render
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import read_checked, sha256
 from foggy_synscapes.io.images import is_whole_png, read_rgb
@@ -26,7 +26,8 @@ FOLDER = Path("results/fog")
 KEPT = Path("results/filter/kept.csv")
 COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
 AIRLIGHT_PARAMS = ("frames", "blue_airlight")
-FOG_PARAMS = ("frames", "geometry", "blue_airlight", "png_level")
+FOG_PARAMS = ("frames", "geometry", "blue_airlight", "png_level", "render")
+ON_THE_FLY = "on_the_fly"
 
 
 def airlight(params: Params, shard: str) -> None:
@@ -58,7 +59,7 @@ def airlight(params: Params, shard: str) -> None:
 
 
 def fog(params: Params, beta: str, shard: str) -> None:
-    """Write the shard of foggy images at one beta, and its manifest.
+    """Write the shard of foggy images at one beta, or of their recipes where `fog.render` says so, and its manifest.
 
     Frames that an interrupted run of the same job finished are kept.
 
@@ -88,7 +89,7 @@ def fog(params: Params, beta: str, shard: str) -> None:
 def _members(
     params: Params, beta: str, shard: str, lights: dict[int, dict[str, str]], finished: Path, dropped: list[int]
 ) -> Iterator[tuple[str, bytes]]:
-    """File names and PNGs of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
+    """File names and contents of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
     index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
     for frame, camera in progress(_frames(params, shard).items(), f"fog {beta} {shard}", unit="frame"):
         if frame not in lights:
@@ -98,12 +99,16 @@ def _members(
         if lights[frame]["treatment"] == render.DROP:
             dropped.append(frame)
             continue
-        name = synscapes.foggy_name(frame, beta)
-        if not is_whole_png(finished / name):
+        as_recipe, image = params.fog.render == ON_THE_FLY, synscapes.foggy_name(frame, beta)
+        name = uris.recipe(image) if as_recipe else image
+        if not ((finished / name).is_file() if as_recipe else is_whole_png(finished / name)):
             light = Airlight(*(int(lights[frame][column]) for column in ("red", "green", "blue", "row", "column")))
             clear = read_frame(folder, frame, index)
             lines = render.rays_of(clear, camera, f"{KEPT}, frame {frame}", params.fog.geometry)
-            (data,) = render.foggy_pngs(clear, lines, light, [beta], params.fog.png_level)
+            if as_recipe:
+                data = recipes.write(clear, camera, params.fog.geometry, light, beta, frame, index)
+            else:
+                (data,) = render.foggy_pngs(clear, lines, light, [beta], params.fog.png_level)
             write_bytes(finished / name, data)
             for doubt in clear.doubts(light):
                 print(f"warning: {doubt}", file=sys.stderr)

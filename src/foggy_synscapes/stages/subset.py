@@ -173,6 +173,7 @@ def _pure(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tup
         entries = []
         for frame in frames:
             name = synscapes.foggy_name(frame, entry.beta)
+            name = name if name in members else uris.recipe(name)
             if name not in members:
                 raise FoggyError(
                     f"{uris.FOG}/beta_{entry.beta}: no shard holds frame {frame}. Was it dropped for its blue "

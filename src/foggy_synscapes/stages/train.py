@@ -21,6 +21,8 @@ from foggy_synscapes.params import Params, load, root
 from foggy_synscapes.training_params import Duration, NetworkSettings
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from foggy_synscapes.networks.weights import Model
     from foggy_synscapes.training.ranks import Ranks
 
@@ -98,9 +100,9 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
 
     model = _start(settings, network, start, int(seed))
     reader, budget = Reader({name: root(params, name) for name in DATASETS}), params.train.cache * 2**20
-    training = Listed(lists["train"], reader, budget)
+    training = Listed(lists["train"], reader, budget, _composite)
     # Only the first process validates.
-    validation = Listed(lists["validation"], reader, budget - training.held) if ranks.first else None
+    validation = Listed(lists["validation"], reader, budget - training.held, _composite) if ranks.first else None
     record = _record(params, settings, network, row, fine_tuned) | {"processes": ranks.count}
     inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
     # Code and libraries too: weights must not come half from one version of the loss and half from another.
@@ -191,6 +193,13 @@ def _finish(
         inputs=inputs,
         outputs=outputs,
     )
+
+
+def _composite(recipe: bytes, read: Callable[[str, str], bytes], name: str) -> "np.ndarray":
+    """The foggy image of a recipe; the code of fog is loaded only where a list names one (see `closure.CHECKED`)."""
+    from foggy_synscapes.fogging import recipes
+
+    return recipes.composite(recipe, read, name)
 
 
 def _set_threads(threads: int) -> None:

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from foggy_synscapes.datasets.uris import RECIPE
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import checked
@@ -38,6 +39,11 @@ def unpack(shards: list[Path], out: Path) -> None:
             if shard.names() != [member.name for member in manifest]:
                 raise FoggyError(
                     f"{path}: its members are not those of {path.with_suffix('.csv').name}. Make it again."
+                )
+            if any(member.name.endswith(RECIPE) for member in manifest):
+                raise FoggyError(
+                    f"{path}: holds recipes, not images (fog.render is on_the_fly). Set it to ahead and make the "
+                    "shard again, or render the frames by `foggy fog --synscapes`."
                 )
             for member in progress(manifest, f"unpack {path.name}"):
                 write_bytes(
