@@ -32,7 +32,7 @@ paper: $(READY)
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
 
-# The source files that dvc.yaml declares, after an import was added or removed.
+# What the engines are told of source files and library versions, after an import or the lock file was edited.
 sources: $(READY)
 	@$(BIN)/python workflow/declare_sources.py
 
@@ -48,6 +48,7 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@$(BIN)/python workflow/declare_sources.py
 	@touch $(READY)
 
 # Newest versions that pyproject.toml allows. The local part of torch's version (+cpu, +cu130) is left out,
@@ -57,6 +58,7 @@ lock: $(READY)
 	@$(BIN)/pip-compile --quiet --upgrade --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
+	@$(BIN)/python workflow/declare_sources.py
 
 clean:
 	rm -rf results .snakemake

@@ -14,6 +14,7 @@ from snakemake.utils import min_version
 
 from foggy_synscapes import closure
 from foggy_synscapes import params as parameters
+from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
 
@@ -52,12 +53,33 @@ PARAMS_OPTION = (
     "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
 )
 SHARDS = PARAMS.scenes.shards
+VERSIONS = read_yaml("workflow/versions.yaml")
 ROWS = [*PARAMS.train.from_weights, *PARAMS.train.from_baseline]
+
+
+def check_raw_data():
+    """Refuse to plan on an index that its files have left behind: results would stay as they were, and be stale."""
+    for dataset, folder in PARAMS.scenes.roots.model_dump().items():
+        for part in SHARDS if dataset == "synscapes" else ["all"]:
+            changed = changed_since_listed(
+                f"{dataset}/{part}", parameters.root(PARAMS, dataset)
+            )
+            if changed:
+                raise WorkflowError(
+                    f"{parameters.root(PARAMS, dataset)}: {len(changed)} files are not as they were listed, first "
+                    f"{changed[0]}. Run `foggy scenes --dataset {dataset}{PARAMS_OPTION}`, then this again: only "
+                    "what the change reaches is made anew."
+                )
 
 
 def code(word):
     """Source files that a command runs: an edit there re-runs its jobs."""
     return [f"src/foggy_synscapes/{name}" for name in closure.sources(word)]
+
+
+def versions(word):
+    """Versions of the libraries that a command computes with: another one re-runs its jobs."""
+    return json.dumps(VERSIONS[word], sort_keys=True)
 
 
 def section(name, *keys):
@@ -77,6 +99,11 @@ def roots(*datasets):
 def one_of(names):
     """Wildcard constraint: one of these names and nothing else."""
     return "|".join(name.replace(".", r"\.") for name in names)
+
+
+# Another run that is under way may be drawing right now; this one will then be refused for its lock.
+if workflow.is_main_process and not any(Path(".snakemake/locks").glob("*")):
+    check_raw_data()
 
 
 wildcard_constraints:

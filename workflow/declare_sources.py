@@ -1,13 +1,22 @@
-"""Rewrite the source files that each stage of dvc.yaml declares to those that its command imports: `make sources`."""
+"""Bring up to date what the engines are told of each step's code and libraries: `make sources`.
+
+dvc.yaml: the source files that a stage's command imports. workflow/versions.yaml: the versions, from requirements.lock,
+of the libraries that it computes with; both engines run a step again where one of these changes.
+"""
 
 import re
 from pathlib import Path
 
 from foggy_synscapes import closure
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.runs import DISTRIBUTIONS
 
 SOURCE = re.compile(r"^( *)- src/foggy_synscapes/")
 COMMAND = re.compile(r"^ *cmd: foggy (\w+)")
+WORDS = ("scenes", "filter", "fog", "subset", "train", "evaluate", "tables", "figures", "stability", "tradeoff")
+VERSIONS = Path("workflow/versions.yaml")
+# These check params, read YAML and draw progress bars; what a step computes does not pass through them.
+NOT_COMPUTING = {"pydantic", "tqdm", "yaml"}
 
 
 def declare(lines: list[str]) -> list[str]:
@@ -24,6 +33,23 @@ def declare(lines: list[str]) -> list[str]:
     return written
 
 
+def versions(lock: str) -> str:
+    """The text of workflow/versions.yaml for the text of a lock file.
+
+    Raises KeyError naming a library that a step imports and the lock file lacks.
+    """
+    locked = {name.lower(): version for name, version in re.findall(r"^([\w.-]+)==([^\s;]+)", lock, re.MULTILINE)}
+    lines = [
+        "# Versions of the libraries that each step computes with, from requirements.lock; made by `make sources`."
+    ]
+    for word in WORDS:
+        names = [DISTRIBUTIONS.get(name, name) for name in closure.libraries(word) if name not in NOT_COMPUTING]
+        values = ", ".join(f'{name}: "{locked[name.lower()]}"' for name in names)
+        lines.append(f"{word}: {{{values}}}")
+    return "\n".join(lines) + "\n"
+
+
 if __name__ == "__main__":
     path = Path("dvc.yaml")
     write_text(path, "\n".join(declare(path.read_text(encoding="utf-8").split("\n"))))
+    write_text(VERSIONS, versions(Path("requirements.lock").read_text(encoding="utf-8")))

@@ -124,6 +124,21 @@ class Scenes(Section):
                 )
         return self
 
+    def deciding(self, dataset: str) -> dict[str, Any]:
+        """What decides which files a dataset has and what is drawn, without folders of the machine."""
+        values = self.model_dump(mode="json")
+        rendered = values["roots"][dataset] == STAND_IN
+        keys = {
+            "synscapes": ["shard_frames", "shards"],
+            "foggy_cityscapes": ["refined_list"],
+            "foggy_zurich": ["zurich_list"],
+        }.get(dataset, [])
+        chosen = {key: values[key] for key in keys} | {"root": STAND_IN if rendered else "real"}
+        if rendered:
+            counts = [dataset] + (["cityscapes"] if dataset == "foggy_cityscapes" else [])
+            chosen["stand_in"] = {key: values["stand_in"][key] for key in ("seed", "size", *counts)}
+        return chosen
+
 
 class FilterRule(Section):
     """Keep a frame if the scene key lies between minimum and maximum, both included."""

@@ -28,6 +28,7 @@ rule evaluate:
         "results/benchmarks/evaluate/{test_set}_{network}_{row}_seed-{seed}.tsv"
     threads: PARAMS.evaluate.threads
     params:
+        versions=versions("evaluate"),
         evaluate=section("evaluate", "threads"),
         scenes=section("scenes", "zurich_list"),
         roots=lambda wildcards: roots(wildcards.test_set),

@@ -19,6 +19,22 @@ def figure_sources(figure):
     return index_parts(test_set) + scores
 
 
+def figure_settings(figure):
+    """Values that a figure is drawn by, as text: those of its kind alone."""
+    if figure in ("beta_strip", "fc_against_fs"):
+        values = [
+            section("fog", "geometry"),
+            section("scenes", "refined_list", "shards"),
+        ]
+    else:
+        rows = [entry.row for entry in PARAMS.tables.rows]
+        grid = ["networks", "seeds", "from_weights", "from_baseline"]
+        values = [json.dumps(rows), section("train", *grid)]
+    if figure.startswith("predictions_"):
+        values.append(section("scenes", "zurich_list"))
+    return values + ([] if figure == "curves" else [section("scenes", "roots")])
+
+
 rule figures:
     """Draw one figure."""
     input:
@@ -33,10 +49,8 @@ rule figures:
     benchmark:
         "results/benchmarks/figures/{figure}.tsv"
     params:
+        versions=versions("figures"),
         figures=section("figures"),
-        fog=section("fog", "geometry"),
-        train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
-        tables=section("tables", "rows"),
-        scenes=section("scenes", "roots", "refined_list", "zurich_list", "shards"),
+        settings=lambda wildcards: figure_settings(wildcards.figure),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

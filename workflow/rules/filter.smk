@@ -12,6 +12,7 @@ rule filter:
     benchmark:
         "results/benchmarks/filter.tsv"
     params:
+        versions=versions("filter"),
         filter=section("filter"),
         scenes=section("scenes", "shards"),
         roots=roots("synscapes"),

@@ -12,6 +12,7 @@ rule fog_airlight:
     benchmark:
         "results/benchmarks/fog/airlight_{shard}.tsv"
     params:
+        versions=versions("fog"),
         fog=section("fog", "frames", "blue_airlight"),
         scenes=section("scenes", "shard_frames"),
         roots=roots("synscapes"),
@@ -35,6 +36,7 @@ rule fog:
     benchmark:
         "results/benchmarks/fog/beta_{beta}_{shard}.tsv"
     params:
+        versions=versions("fog"),
         fog=section("fog", "frames", "geometry", "blue_airlight", "png_level", "render"),
         scenes=section("scenes", "shard_frames"),
         roots=roots("synscapes"),

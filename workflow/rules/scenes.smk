@@ -27,7 +27,9 @@ for name in (
         benchmark:
             f"results/benchmarks/scenes/{name}.tsv"
         params:
+            versions=versions("scenes"),
             dataset=name,
-            scenes=section("scenes"),
+            scenes=json.dumps(PARAMS.scenes.deciding(name), sort_keys=True),
+            roots=roots(name),
         shell:
             "foggy scenes --dataset {params.dataset}{PARAMS_OPTION} > {log:q} 2>&1"

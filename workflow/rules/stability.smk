@@ -13,6 +13,7 @@ rule stability:
     benchmark:
         "results/benchmarks/stability/stability.tsv"
     params:
+        versions=versions("stability"),
         stability=section("stability"),
     shell:
         "foggy stability{PARAMS_OPTION} > {log:q} 2>&1"

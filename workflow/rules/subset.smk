@@ -35,6 +35,7 @@ for row in ROWS:
         benchmark:
             f"results/benchmarks/subset/{row}.tsv"
         params:
+            versions=versions("subset"),
             row=row,
             subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
             scenes=section("scenes", "shards", "refined_list"),

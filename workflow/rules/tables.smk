@@ -13,6 +13,7 @@ rule tables:
     benchmark:
         "results/benchmarks/tables/{test_set}.tsv"
     params:
+        versions=versions("tables"),
         tables=section("tables"),
         subset=section("subset"),
         roots=section("scenes", "roots"),

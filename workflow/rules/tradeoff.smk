@@ -16,6 +16,7 @@ rule tradeoff:
     benchmark:
         "results/benchmarks/tradeoff/tradeoff.tsv"
     params:
+        versions=versions("tradeoff"),
         tradeoff=section("tradeoff"),
         scenes=section("scenes", "shards"),
         roots=roots("synscapes"),

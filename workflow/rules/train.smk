@@ -12,6 +12,27 @@ def network_settings(network, row):
     )
 
 
+def start_weights(network, row):
+    """What a training starts from: the baseline's model, or the file of its weights where that is there.
+
+    The file is not asked for where it is missing, so that an experiment can be planned before it is imported.
+    """
+    if row in PARAMS.train.from_baseline:
+        return [f"results/train/{network}/C/seed-{{seed}}/model.safetensors"]
+    weights = getattr(PARAMS.train, network).weights
+    return [weights] if os.path.isfile(weights) else []
+
+
+def fog_shards(row):
+    """Shards that hold a row's images. The row's lists hold each image's hash: shards are only waited for."""
+    if PARAMS.subset.kind(row) not in ("pure", "mixed"):
+        return []
+    beta = PARAMS.subset.rows()[row].beta
+    return ancient(
+        expand("results/fog/beta_{beta}/{shard}.tar", beta=beta, shard=SHARDS)
+    )
+
+
 for network in PARAMS.train.networks:
     for row in ROWS:
 
@@ -25,11 +46,8 @@ for network in PARAMS.train.networks:
                     row=row,
                     part=["train", "validation"],
                 ),
-                start=(
-                    [f"results/train/{network}/C/seed-{{seed}}/model.safetensors"]
-                    if row in PARAMS.train.from_baseline
-                    else []
-                ),
+                start=start_weights(network, row),
+                shards=fog_shards(row),
                 code=code("train"),
             output:
                 expand(
@@ -46,6 +64,7 @@ for network in PARAMS.train.networks:
             priority: 100 if row == "C" else 0
             threads: PARAMS.train.threads
             params:
+                versions=versions("train"),
                 network=network,
                 row=row,
                 train=section(

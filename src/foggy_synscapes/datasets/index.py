@@ -55,14 +55,32 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
             )
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
-        status = file.stat()
-        stamp = [status.st_size, status.st_mtime_ns, status.st_ino]
+        stamp = _stamp(file)
         known = cache.get(path)
         digest = known[1] if known and known[0] == stamp else sha256(file)
         fresh[path] = [stamp, digest]
-        rows.append((path, status.st_size, digest))
+        rows.append((path, stamp[0], digest))
     write_csv(index_path(name), COLUMNS, rows)
     write_text(cache_path, json.dumps(fresh))
+
+
+def changed_since_listed(name: str, root: Path) -> list[str]:
+    """Files of an index that are missing or whose size or modification time is another than when they were listed.
+
+    Nothing is read but times and sizes; an index that was not made on this machine cannot be judged and gives [].
+    """
+    cache = _read_cache(CACHE / f"{name}.json") if index_path(name).is_file() else {}
+    # Not the inode: a copy of the folder that kept its times is as good.
+    return [path for path, known in sorted(cache.items()) if _stamp(root / path)[:2] != known[0][:2]]
+
+
+def _stamp(file: Path) -> list[int]:
+    """Size in bytes, modification time in ns and inode; empty where the file is missing."""
+    try:
+        status = file.stat()
+    except OSError:
+        return []
+    return [status.st_size, status.st_mtime_ns, status.st_ino]
 
 
 def _read_cache(path: Path) -> dict[str, list]:

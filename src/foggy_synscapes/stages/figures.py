@@ -68,6 +68,7 @@ def figures(params: Params, name: str) -> None:
         "curves": _curves,
     }
     draw_of_test_set = {"predictions": _predictions, "class_change": _class_change, "confusion": _confusion}
+    fogs = name in ("beta_strip", "fc_against_fs")
     if name in draw:
         figure = draw[name](params, inputs)
     else:
@@ -79,7 +80,7 @@ def figures(params: Params, name: str) -> None:
     write_run(
         FOLDER / f"{name}.run.json",
         command=["foggy", "figures", "--figure", name],
-        params={"figures": params.figures.model_dump(), "fog": {"geometry": params.fog.geometry}},
+        params={"figures": params.figures.model_dump(), **({"fog": {"geometry": params.fog.geometry}} if fogs else {})},
         inputs=inputs,
         outputs=outputs,
     )

@@ -64,24 +64,12 @@ def scenes(params: Params, dataset: str, jobs: int = 1) -> None:
     write_run(
         FOLDER / dataset / "run.json",
         command=["foggy", "scenes", "--dataset", dataset],
-        params={"scenes": _record(params, dataset, rendered)},
+        params={"scenes": params.scenes.deciding(dataset)},
         inputs=[],
         outputs=[*outputs, readme],
     )
     files = sum(len(paths) for paths in indexes.values())
     print(f"scenes {dataset}: {files} files of the {'stand-in' if rendered else 'real dataset'} listed")
-
-
-def _record(params: Params, dataset: str, rendered: bool) -> dict:
-    # What decides the outputs, without folders of the machine.
-    values = params.scenes.model_dump(mode="json")
-    keys = ["shard_frames", "shards"] if dataset == "synscapes" else []
-    keys += {"foggy_cityscapes": ["refined_list"], "foggy_zurich": ["zurich_list"]}.get(dataset, [])
-    record = {key: values[key] for key in keys} | {"root": STAND_IN if rendered else "real"}
-    if rendered:
-        counts = [dataset] + (["cityscapes"] if dataset == "foggy_cityscapes" else [])
-        record["stand_in"] = {key: values["stand_in"][key] for key in ("seed", "size", *counts)}
-    return record
 
 
 def _frames(params: Params, dataset: str) -> list[stand_in.Frame]:
@@ -158,7 +146,7 @@ def _files(frame: stand_in.Frame) -> stand_in.Files:
 def _fingerprint(params: Params, dataset: str) -> str:
     """Changes with anything that can change a pixel: params, sources, library versions."""
     sources = {name: sha256(closure.FOLDER / name) for name in closure.sources("scenes")}
-    document = [_record(params, dataset, True)["stand_in"], sources, versions("scenes")]
+    document = [params.scenes.deciding(dataset)["stand_in"], sources, versions("scenes")]
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
