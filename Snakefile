@@ -122,7 +122,8 @@ TABLES = expand(
     ending=["csv", "tex", "md"],
 )
 FIGURES = expand(
-    "results/figures/{figure}.png", figure=["beta_strip", "fc_against_fs", "curves"]
+    "results/figures/{figure}.png",
+    figure=["beta_strip", "fc_against_fs", "sky_contrast", "curves"],
 ) + expand(
     "results/figures/{kind}_{test_set}.png",
     kind=["predictions", "class_change", "confusion"],

@@ -2,6 +2,8 @@ def figure_sources(figure):
     """What a figure is drawn from."""
     if figure in ("beta_strip", "fc_against_fs"):
         return [*index_parts("synscapes"), *PARTIAL, "results/filter/kept.csv"]
+    if figure == "sky_contrast":
+        return ["results/filter/frames.csv"]
     if figure == "curves":
         return expand(
             "results/train/{network}/{row}/seed-{seed}/curves.csv",
@@ -26,6 +28,8 @@ def figure_settings(figure):
             section("fog", "geometry"),
             section("scenes", "refined_list", "shards"),
         ]
+    elif figure == "sky_contrast":
+        values = [section("filter")]
     else:
         rows = [entry.row for entry in PARAMS.tables.rows]
         grid = ["networks", "seeds", "from_weights", "from_baseline"]

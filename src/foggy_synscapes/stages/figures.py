@@ -23,7 +23,7 @@ from foggy_synscapes.io.images import read_depth, read_ids, read_rgb
 from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
-from foggy_synscapes.params import Params, load, root
+from foggy_synscapes.params import STAND_IN, Params, load, root
 from foggy_synscapes.progress import progress
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.iou import iou, mean_annotated
@@ -31,10 +31,12 @@ from foggy_synscapes.scoring.iou import iou, mean_annotated
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-HELP = "Draw a figure: fog at each beta, FC against FS, predictions of each row, training curves."
+HELP = "Draw a figure: fog at each beta, FC against FS, sky contrast, predictions of each row, training curves."
 FOLDER = Path("results/figures")
 BASELINE = "C"
 KEPT = Path("results/filter/kept.csv")
+FRAMES = Path("results/filter/frames.csv")
+SKY_CONTRAST = "sky_contrast"
 TEST_SETS = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich", "cityscapes": "clear Cityscapes, val"}
 OF_TEST_SET = ("predictions", "class_change", "confusion")
 NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
@@ -42,7 +44,8 @@ NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    names = ["beta_strip", "fc_against_fs", "curves", *(f"{kind}_{name}" for name in TEST_SETS for kind in OF_TEST_SET)]
+    names = ["beta_strip", "fc_against_fs", "sky_contrast", "curves"]
+    names += [f"{kind}_{name}" for name in TEST_SETS for kind in OF_TEST_SET]
     parser.add_argument("--figure", required=True, metavar="NAME", choices=names, help=", ".join(names))
 
 
@@ -65,6 +68,7 @@ def figures(params: Params, name: str) -> None:
     draw: dict[str, Callable[[Params, list[Path]], Figure]] = {
         "beta_strip": _beta_strip,
         "fc_against_fs": _fc_against_fs,
+        "sky_contrast": _sky_contrast,
         "curves": _curves,
     }
     draw_of_test_set = {"predictions": _predictions, "class_change": _class_change, "confusion": _confusion}
@@ -149,6 +153,25 @@ def _fc_against_fs(params: Params, inputs: list[Path]) -> "Figure":
     shown = min(len(purely), len(partly))
     title = f"β = {beta} / m on exact depth (above), on completed disparity (below)"
     return grid([purely[:shown], partly[:shown]], [""] * shown, ["Foggy Synscapes", "Foggy Cityscapes"], title=title)
+
+
+def _sky_contrast(params: Params, inputs: list[Path]) -> "Figure":
+    """Distribution of the scene key by which the paper would filter (section IV.B), and the filter's cut."""
+    from foggy_synscapes.plotting.histogram import cut_histogram
+
+    frames = read_csv(FRAMES, (SKY_CONTRAST, "kept"))
+    inputs.append(FRAMES)
+    values, kept = (
+        [convert(frame[key]) for frame in frames] for key, convert in ((SKY_CONTRAST, float), ("kept", int))
+    )
+    cuts = [
+        (kind, getattr(rule, kind))
+        for rule in params.filter.rules
+        for kind in ("minimum", "maximum")
+        if rule.key == SKY_CONTRAST and getattr(rule, kind) is not None
+    ]
+    stand_in = " (stand-in)" if params.scenes.roots.synscapes == STAND_IN else ""
+    return cut_histogram(values, kept, cuts, "sky_contrast", f"Synscapes{stand_in}: contrast of the sky of each frame")
 
 
 def _curves(params: Params, inputs: list[Path]) -> "Figure":
