@@ -6,7 +6,7 @@ CORES ?= 2
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main test paper status sources lint lock clean
+.PHONY: main test paper report status sources lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -27,6 +27,11 @@ paper: $(READY)
 		|| { tail -n 20 results/paper/pdflatex.txt >&2; exit 1; }; \
 	done
 	@echo "== results/paper/article.pdf"
+
+# All tables and figures as one page for the browser, with the command behind each.
+report: $(READY)
+	@$(BIN)/snakemake --report results/report.html
+	@echo "== results/report.html"
 
 # README.md and docs/status.md, from the tables that the main job made.
 status: $(READY)

@@ -20,6 +20,10 @@ from foggy_synscapes.io.plain_yaml import read_yaml
 
 min_version("9.27")
 
+
+report: "workflow/report/experiment.rst"
+
+
 # The command `foggy` of the environment that runs this Snakemake.
 os.environ["PATH"] = os.pathsep.join(
     [str(Path(sys.executable).parent), os.environ["PATH"]]
@@ -119,7 +123,7 @@ wildcard_constraints:
 TABLES = expand(
     "results/tables/{test_set}.{ending}",
     test_set=PARAMS.evaluate.test_sets,
-    ending=["csv", "tex", "md"],
+    ending=["csv", "tex", "md", "html"],
 )
 FIGURES = expand(
     "results/figures/{figure}.png",

@@ -63,7 +63,7 @@ def refused(document: dict, capsys: pytest.CaptureFixture) -> str:
     return message
 
 
-def test_writes_csv_latex_markdown_and_a_record(document):
+def test_writes_csv_latex_markdown_html_and_a_record(document):
     scores = put_metrics(metrics_path("C"))
     assert tables(document) == 0
     rows = rows_of(Path("results/tables/foggy_zurich.csv"))
@@ -77,9 +77,15 @@ def test_writes_csv_latex_markdown_and_a_record(document):
     assert "24,500 -> 600 here" in markdown
     assert "stand-in" in latex
     assert "stand-in" in markdown
+    page = Path("results/tables/foggy_zurich.html").read_text()
+    assert "24,500 → 600 here" in page
+    assert page.count("<table>") == latex.count(r"\begin{tabular}") == 3
+    assert page.count("<b>") == markdown.count("**") / 2
     record = json.loads(Path("results/tables/foggy_zurich.run.json").read_text())
     assert list(record["inputs"]) == ["results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json"]
-    assert sorted(record["outputs"]) == [f"results/tables/foggy_zurich.{ending}" for ending in ("csv", "md", "tex")]
+    assert sorted(record["outputs"]) == [
+        f"results/tables/foggy_zurich.{ending}" for ending in ("csv", "html", "md", "tex")
+    ]
 
 
 def test_nothing_run_at_all_is_a_table_of_dashes(document):

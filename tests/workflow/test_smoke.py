@@ -162,3 +162,13 @@ def test_the_paper_can_be_planned_on_stand_in_roots(tmp_path: Path) -> None:
     (folder / "params/planned.yaml").write_text("\n".join(roots) + "\n")
     told = run(folder, "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/planned.yaml")
     assert "scenes_synscapes" in told
+
+
+def test_the_report_is_one_page_with_every_table_and_figure(snakemake: Path, tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    run(snakemake, "snakemake", "--configfile", "params/smoke.yaml", "--report", str(page))
+    text = page.read_text()
+    shown = [*(snakemake / "results/tables").glob("*.html"), *(snakemake / "results/figures").glob("*.png")]
+    assert len(shown) > 10
+    for path in shown:
+        assert path.relative_to(snakemake).as_posix() in text

@@ -45,7 +45,12 @@ rule figures:
         lambda wildcards: figure_sources(wildcards.figure),
         code=code("figures"),
     output:
-        "results/figures/{figure}.png",
+        report(
+            "results/figures/{figure}.png",
+            caption="../report/figures.rst",
+            category="2. Figures",
+            labels={"figure": "{figure}"},
+        ),
         "results/figures/{figure}.pdf",
         "results/figures/{figure}.run.json",
     log:

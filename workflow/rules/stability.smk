@@ -3,9 +3,19 @@ rule stability:
     input:
         code=code("stability"),
     output:
-        "results/stability/stability.csv",
+        report(
+            "results/stability/stability.csv",
+            caption="../report/stability.rst",
+            category="3. Numbers at their extremes",
+            labels={"what": "every check"},
+        ),
         "results/stability/stability.tex",
-        "results/stability/stability.png",
+        report(
+            "results/stability/stability.png",
+            caption="../report/stability.rst",
+            category="3. Numbers at their extremes",
+            labels={"what": "errors by number format"},
+        ),
         "results/stability/stability.pdf",
         "results/stability/run.json",
     log:

@@ -7,6 +7,12 @@ rule tables:
         "results/tables/{test_set}.csv",
         "results/tables/{test_set}.tex",
         "results/tables/{test_set}.md",
+        report(
+            "results/tables/{test_set}.html",
+            caption="../report/tables.rst",
+            category="1. Tables",
+            labels={"test set": "{test_set}"},
+        ),
         "results/tables/{test_set}.run.json",
     log:
         "results/logs/tables/{test_set}.log",

@@ -12,12 +12,12 @@ from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.published import TEST_SETS as PUBLISHED
 from foggy_synscapes.published import load as load_published
-from foggy_synscapes.tabling import latex, markdown
+from foggy_synscapes.tabling import html, latex, markdown
 from foggy_synscapes.tabling.ours import TITLES, grids, long_columns
 from foggy_synscapes.tabling.paper import published_columns, published_grid
 from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
 
-HELP = "Make the tables of mean IoU (percent): CSV, LaTeX and Markdown."
+HELP = "Make the tables of mean IoU (percent): CSV, LaTeX, Markdown and HTML."
 FOLDER = Path("results/tables")
 
 
@@ -54,7 +54,7 @@ def published(out: Path) -> None:
 
 
 def tables(params: Params, test_set: str) -> None:
-    """Write results/tables/TEST_SET.csv, .tex and .md from the metrics of all runs that exist.
+    """Write results/tables/TEST_SET.csv, .tex, .md and .html from the metrics of all runs that exist.
 
     Raises
     ------
@@ -80,11 +80,12 @@ def tables(params: Params, test_set: str) -> None:
                     documents.append(document)
                     _same_labels(documents, path)
     results = collect(networks, labels, runs, load_published(test_set))
-    outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md")]
+    outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md", "html")]
     made = grids(test_set, results, annotated_classes(documents), seeds, params.stand_in)
     write_csv(outputs[0], *long_columns(test_set, results, seeds))
     write_text(outputs[1], latex.document(made, f"Made by foggy tables --test-set {test_set}."))
     write_text(outputs[2], "\n".join(markdown.table(grid) for grid in made))
+    write_text(outputs[3], html.document(made, TITLES[test_set]))
     write_run(
         FOLDER / f"{test_set}.run.json",
         command=["foggy", "tables", "--test-set", test_set],
