@@ -105,6 +105,11 @@ def one_of(names):
     return "|".join(name.replace(".", r"\.") for name in names)
 
 
+def memory(megabytes):
+    """What a job asks of a cluster, in MB; where that was not enough, the next attempt asks for as much again."""
+    return lambda wildcards, attempt: attempt * megabytes
+
+
 # Another run that is under way may be drawing right now; this one will then be refused for its lock.
 if workflow.is_main_process and not any(Path(".snakemake/locks").glob("*")):
     check_raw_data()

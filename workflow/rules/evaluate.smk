@@ -27,6 +27,9 @@ rule evaluate:
     benchmark:
         "results/benchmarks/evaluate/{test_set}_{network}_{row}_seed-{seed}.tsv"
     threads: PARAMS.evaluate.threads
+    resources:
+        mem_mb=memory(8_000),
+        runtime=240,
     params:
         versions=versions("evaluate"),
         evaluate=section("evaluate", "threads"),

@@ -57,6 +57,9 @@ rule figures:
         "results/logs/figures/{figure}.log",
     benchmark:
         "results/benchmarks/figures/{figure}.tsv"
+    resources:
+        mem_mb=memory(4_000),
+        runtime=60,
     params:
         versions=versions("figures"),
         figures=section("figures"),

@@ -11,6 +11,9 @@ rule filter:
         "results/logs/filter.log",
     benchmark:
         "results/benchmarks/filter.tsv"
+    resources:
+        mem_mb=memory(1_000),
+        runtime=60,
     params:
         versions=versions("filter"),
         filter=section("filter"),

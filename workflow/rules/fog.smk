@@ -11,6 +11,9 @@ rule fog_airlight:
         "results/logs/fog/airlight_{shard}.log",
     benchmark:
         "results/benchmarks/fog/airlight_{shard}.tsv"
+    resources:
+        mem_mb=memory(1_000),
+        runtime=120,
     params:
         versions=versions("fog"),
         fog=section("fog", "frames", "blue_airlight"),
@@ -35,6 +38,9 @@ rule fog:
         "results/logs/fog/beta_{beta}_{shard}.log",
     benchmark:
         "results/benchmarks/fog/beta_{beta}_{shard}.tsv"
+    resources:
+        mem_mb=memory(1_000),
+        runtime=120,
     params:
         versions=versions("fog"),
         fog=section("fog", "frames", "geometry", "blue_airlight", "png_level", "render"),

@@ -26,6 +26,9 @@ for name in (
             f"results/logs/scenes/{name}.log",
         benchmark:
             f"results/benchmarks/scenes/{name}.tsv"
+        resources:
+            mem_mb=memory(1_000),
+            runtime=12 * 60,
         params:
             versions=versions("scenes"),
             dataset=name,

@@ -22,6 +22,9 @@ rule stability:
         "results/logs/stability/stability.log",
     benchmark:
         "results/benchmarks/stability/stability.tsv"
+    resources:
+        mem_mb=memory(2_000),
+        runtime=60,
     params:
         versions=versions("stability"),
         stability=section("stability"),

@@ -34,6 +34,9 @@ for row in ROWS:
             f"results/logs/subset/{row}.log",
         benchmark:
             f"results/benchmarks/subset/{row}.tsv"
+        resources:
+            mem_mb=memory(1_000),
+            runtime=30,
         params:
             versions=versions("subset"),
             row=row,

@@ -18,6 +18,9 @@ rule tables:
         "results/logs/tables/{test_set}.log",
     benchmark:
         "results/benchmarks/tables/{test_set}.tsv"
+    resources:
+        mem_mb=memory(1_000),
+        runtime=30,
     params:
         versions=versions("tables"),
         tables=section("tables"),

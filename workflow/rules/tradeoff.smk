@@ -15,6 +15,9 @@ rule tradeoff:
         "results/logs/tradeoff/tradeoff.log",
     benchmark:
         "results/benchmarks/tradeoff/tradeoff.tsv"
+    resources:
+        mem_mb=memory(4_000),
+        runtime=120,
     params:
         versions=versions("tradeoff"),
         tradeoff=section("tradeoff"),

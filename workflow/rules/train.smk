@@ -63,6 +63,10 @@ for network in PARAMS.train.networks:
             # Fine-tunings wait for row C, so it goes first.
             priority: 100 if row == "C" else 0
             threads: PARAMS.train.threads
+            resources:
+                mem_mb=memory(16_000),
+                runtime=7 * 24 * 60,
+                gpu=1 if PARAMS.train.device == "cuda" else 0,
             params:
                 versions=versions("train"),
                 network=network,
