@@ -111,7 +111,7 @@ class Cluster:
         ports = dict(zip(("ctld", "slurmd", "dbd", "sql"), free_ports(4), strict=True))
         self.values = {"folder": folder, "host": self.host, "cpus": os.cpu_count(), **ports}
         self.values["password"] = secrets.token_hex(16)
-        self.variables = {"SLURM_CONF": str(folder / "slurm.conf")}
+        self.variables = {"SLURM_CONF": str(folder / "slurm.conf"), "USER": "root"}
 
     def start(self) -> None:
         """Start all daemons, each when the one it needs answers."""
@@ -124,6 +124,8 @@ class Cluster:
         self._database()
         self._daemon("slurmdbd", "slurmdbd", "-D")
         wait_until(lambda: self._good("sacctmgr", "--immediate", "add", "cluster", "foggy"), "slurmdbd")
+        for what in (["account", "foggy"], ["user", "root", "account=foggy"]):
+            self.ask("sacctmgr", "--immediate", "add", *what)
         self._daemon("slurmctld", "slurmctld", "-D")
         self.start_node()
 
@@ -282,7 +284,7 @@ def main() -> None:
             trouble.start()
             done = call(
                 remote,
-                *("snakemake", "--profile", "workflow/profiles/slurm", *SMOKE, "--slurm-no-account"),
+                *("snakemake", "--profile", "workflow/profiles/slurm", *SMOKE),
                 *("--slurm-init-seconds-before-status-checks", "3", "--latency-wait", "5"),
                 *("--set-resources", f"stability:mem_mb=attempt*{TOO_LITTLE}", "train_refinenet_C:gpu=1"),
                 **cluster.variables,
