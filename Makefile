@@ -15,7 +15,7 @@ main: $(READY)
 
 test: $(READY)
 	@echo "== The tests: pytest"
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadfile
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadgroup
 
 # All tables and figures that are made so far, as a PDF. The dates are fixed, so that equal results give equal bytes.
 paper: $(READY)

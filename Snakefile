@@ -17,6 +17,7 @@ from foggy_synscapes import params as parameters
 from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.recorded import select
 
 min_version("9.27")
 
@@ -86,18 +87,10 @@ def versions(word):
     return json.dumps(VERSIONS[word], sort_keys=True)
 
 
-def section(name, *keys):
-    """Values that a command reads, as text: a change there re-runs its jobs."""
-    values = getattr(PARAMS, name).model_dump(mode="json", by_alias=True)
-    return json.dumps(
-        {key: values[key] for key in keys} if keys else values, sort_keys=True
-    )
-
-
-def roots(*datasets):
-    """Where the datasets that a command reads lie, as text."""
-    values = PARAMS.scenes.roots.model_dump()
-    return json.dumps({name: values[name] for name in datasets}, sort_keys=True)
+def reads(*keys):
+    """Values of params that a command reads, by dotted key as in dvc.yaml: a change there re-runs its jobs."""
+    values = PARAMS.model_dump(mode="json", by_alias=True)
+    return json.dumps(select(values, *keys), sort_keys=True)
 
 
 def one_of(names):

@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import os
 import sys
 import textwrap
 from pathlib import Path
@@ -21,6 +22,7 @@ PIPELINE = {
     "figures": "draw the figures",
 }
 TOOLS = {
+    "adopt": "carry a clone from one engine to the other",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",
@@ -58,13 +60,15 @@ def main(arguments: list[str] | None = None) -> int:
         return int(stop.code or 0)
     try:
         stage.run(options)
+        sys.stdout.flush()
     except FoggyError as error:
         if options.debug:
             raise
         return _fail(error, word)
     except BrokenPipeError:
-        # The reader of our output (such as `head`) has gone; that is its good right.
-        sys.stderr.close()
+        # The reader of our output (such as `head`) has gone; that is its good right. What is left goes nowhere, also
+        # at the interpreter's end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
         print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)

@@ -124,20 +124,18 @@ class Scenes(Section):
                 )
         return self
 
-    def deciding(self, dataset: str) -> dict[str, Any]:
-        """What decides which files a dataset has and what is drawn, without folders of the machine."""
-        values = self.model_dump(mode="json")
-        rendered = values["roots"][dataset] == STAND_IN
-        keys = {
+    def deciding(self, dataset: str) -> list[str]:
+        """Dotted keys of what decides which files a dataset has and what is drawn."""
+        keys = ["roots." + dataset]
+        keys += {
             "synscapes": ["shard_frames", "shards"],
             "foggy_cityscapes": ["refined_list"],
             "foggy_zurich": ["zurich_list"],
         }.get(dataset, [])
-        chosen = {key: values[key] for key in keys} | {"root": STAND_IN if rendered else "real"}
-        if rendered:
+        if getattr(self.roots, dataset) == STAND_IN:
             counts = [dataset] + (["cityscapes"] if dataset == "foggy_cityscapes" else [])
-            chosen["stand_in"] = {key: values["stand_in"][key] for key in ("seed", "size", *counts)}
-        return chosen
+            keys += [f"stand_in.{key}" for key in ("seed", "size", *counts)]
+        return [f"scenes.{key}" for key in keys]
 
 
 class FilterRule(Section):

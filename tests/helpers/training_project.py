@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
+from records import vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
@@ -43,6 +44,7 @@ def write_list(row, name, entries):
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *entries])
+    vouch(path)
 
 
 def project_in(tmp_path, monkeypatch):

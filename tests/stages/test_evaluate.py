@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from records import vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import foggy_driving, foggy_zurich
@@ -292,6 +293,7 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: bytes):
             write_text(Path(dataset) / path, "".join(f"{pair[column]}\n" for pair in pairs))
         write_index(f"{dataset}/all", Path(dataset), [path for pair in pairs for path in pair] + lists[dataset])
     write_bytes(Path("results/train/bisenet/C/seed-0/model.safetensors"), model)
+    vouch()
     return check(document, "params.yaml")
 
 
@@ -355,11 +357,13 @@ def test_a_missing_model_says_how_to_make_it(params):
 def test_a_damaged_model_is_named(params):
     path = Path("results/train/bisenet/C/seed-0/model.safetensors")
     path.write_bytes(path.read_bytes()[:100])
+    vouch(path)
     fails(params, r"model\.safetensors: .*safetensors file")
 
 
 def test_a_model_of_other_classes_is_refused(params):
     write_bytes(Path("results/train/bisenet/C/seed-0/model.safetensors"), model_of(classes=21))
+    vouch()
     fails(params, "predicts 21 classes, expected the 19 of Cityscapes")
 
 
@@ -383,6 +387,7 @@ def relist(params, ids: np.ndarray, name: str = "1") -> None:
     put(Path("foggy_zurich") / foggy_zurich.labels(f"GP/{name}.0_frame"), ids)
     files = [path.relative_to("foggy_zurich").as_posix() for path in Path("foggy_zurich").rglob("*") if path.is_file()]
     write_index("foggy_zurich/all", Path("foggy_zurich"), files)
+    vouch()
 
 
 def test_scoring_a_folder_needs_no_torch():

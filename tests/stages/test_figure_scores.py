@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from records import vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.io.atomic import write_text
@@ -28,6 +29,7 @@ def scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
             matrix[16] = 0
             path = Path(f"results/evaluate/foggy_zurich/{network}/{row}/seed-0/metrics.json")
             write_text(path, json.dumps(summarize(matrix, images=24)))
+    vouch()
 
 
 @pytest.mark.parametrize("kind", ["class_change", "confusion"])
@@ -59,6 +61,7 @@ def filtered(values: list[float], kept: list[int]) -> bytes:
     """Draw the figure of frames with these values of sky contrast."""
     rows = [(n, *each) for n, each in enumerate(zip(values, kept, strict=True), start=1)]
     write_csv("results/filter/frames.csv", ("id", "sky_contrast", "kept"), rows)
+        vouch()
     assert main(["figures", "--figure", "sky_contrast"]) == 0
     return Path("results/figures/sky_contrast.png").read_bytes()
 

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from records import vouch
 
 from foggy_synscapes.datasets.index import write_index
 from foggy_synscapes.datasets.synscapes import SCENE_KEYS
@@ -40,6 +41,7 @@ def write_meta(folder: Path, frame: int, **scene: object) -> None:
 def listed(params: Params) -> None:
     root = Path(params.scenes.roots.synscapes)
     write_index("synscapes/0000", root, [f"meta/{path.name}" for path in (root / "meta").iterdir()])
+    vouch()
 
 
 def test_a_frame_is_kept_if_every_rule_holds(params: Params) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fog_frames import CAMERA, content, tree, write_frame, write_frames
+from records import vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import synscapes
@@ -30,6 +31,7 @@ SHARD, MANIFEST = Path("results/fog/beta_0.005/0000.tar"), Path("results/fog/bet
 
 def index(root: Path, frames: range, shard: str) -> None:
     write_index(f"synscapes/{shard}", root, [path(n) for n in frames for path in (synscapes.rgb, synscapes.depth)])
+    vouch()
 
 
 @pytest.fixture
@@ -42,6 +44,7 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Params:
     index(Path("synscapes"), range(0), "0002")
     camera = tuple(vars(CAMERA).values())
     write_csv("results/filter/kept.csv", ("id", *vars(CAMERA)), [(n, *camera) for n in (1, 2, 4, 5, 6, 7, 8)])
+    vouch()
     return change()
 
 
@@ -185,6 +188,7 @@ def test_a_frame_outside_the_index_or_the_table_is_named(params: Params) -> None
     index(Path("synscapes"), range(1, 7), "0000")
     table = read_csv("results/fog/airlight/0000.csv")
     write_csv("results/fog/airlight/0000.csv", tuple(table[0]), [tuple(row.values()) for row in table[:2]])
+    vouch()
     with pytest.raises(FoggyError, match="no frame 4"):
         pipeline.fog(params, "0.005", "0000")
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from records import vouch
 
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, synscapes
 from foggy_synscapes.datasets.index import write_index
@@ -52,6 +53,7 @@ def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict:
         manifest = write_shard(f"results/fog/beta_0.005/000{shard}.tar", members)
         write_manifest(f"results/fog/beta_0.005/000{shard}.csv", manifest)
         listed("synscapes", [synscapes.class_(frame) for frame in own], part=f"000{shard}")
+    vouch()
     return counts(document, FS_24500={"train": 4, "validation": 2}, FC_FS_498={"train": 3, "validation": 2})
 
 
@@ -59,6 +61,7 @@ def listed(dataset: str, paths: list[str], others: tuple | list = (), part: str 
     for path in paths:
         write_bytes(Path(dataset) / path, path.encode())
     write_index(f"{dataset}/{part}", Path(dataset), [*paths, *others])
+    vouch()
 
 
 def frames_of(row: str, part: str = "train") -> list[str]:
@@ -121,6 +124,7 @@ def test_asking_for_more_than_there_is_names_the_list(document: dict) -> None:
 
 def test_a_frame_without_fog_or_without_labels_is_named(document: dict) -> None:
     write_manifest("results/fog/beta_0.005/0000.csv", [])
+    vouch()
     with pytest.raises(FoggyError, match="no shard holds frame 1"):
         subset(check(document, "params.yaml"), "FS-498")
     listed("cityscapes", [cityscapes.image("train/aachen/aachen_000000_000019")])
@@ -137,6 +141,7 @@ def test_a_refined_list_that_is_none_is_refused(document: dict, line: str) -> No
     name = document["scenes"]["refined_list"]
     write_text(Path("foggy_cityscapes") / name, line + "\n")
     write_index("foggy_cityscapes/all", Path("foggy_cityscapes"), [name])
+    vouch()
     with pytest.raises(FoggyError, match=r"line 1: .* is not like train/aachen"):
         subset(check(document, "params.yaml"), "FC-498")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from records import vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.io.atomic import write_text
@@ -36,6 +37,7 @@ def put_metrics(path: Path, seed: int = 0, absent: tuple[int, ...] = (16,)) -> d
         matrix[number, [number, (number + 1) % 19]] = right, 1000 - right
     scores = summarize(matrix, images=24)
     write_text(path, json.dumps(scores))
+    vouch(path)
     return scores
 
 
@@ -142,6 +144,7 @@ def test_metrics_of_another_form_are_refused(document, capsys, change, message):
     scores = put_metrics(metrics_path("FS-498"))
     change(scores)
     write_text(metrics_path("FS-498"), json.dumps(scores))
+    vouch()
     said = refused(document, capsys)
     assert message in said
     assert str(metrics_path("FS-498")) in said
@@ -150,6 +153,7 @@ def test_metrics_of_another_form_are_refused(document, capsys, change, message):
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", "\xff\x00"])
 def test_a_damaged_metrics_file_is_refused(document, capsys, text):
     write_text(metrics_path("C"), text)
+    vouch()
     assert str(metrics_path("C")) in refused(document, capsys)
 
 

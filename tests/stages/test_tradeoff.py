@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fog_frames import CAMERA, content, write_frames
+from records import vouch
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import write_index
@@ -95,6 +96,7 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Params:
         "synscapes/0000", Path("synscapes"), [path(n) for n in (1, 2) for path in (synscapes.rgb, synscapes.depth)]
     )
     write_csv("results/filter/kept.csv", ("id", *vars(CAMERA)), [(n, *vars(CAMERA).values()) for n in (1, 2)])
+    vouch()
     document = read_yaml(ROOT / "params.yaml")
     document["scenes"]["roots"]["synscapes"] = "synscapes"
     document["scenes"]["shards"] = ["0000"]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fog_frames import CAMERA, write_frame
+from records import vouch
 from training_project import frame, hashes, project_in, train, write_list, write_lists
 
 from foggy_synscapes.cli import main
@@ -183,6 +184,7 @@ def test_a_baseline_that_is_no_model_is_refused(project, capsys):
     path = Path("results/train/bisenet/C/seed-0/model.safetensors")
     path.parent.mkdir(parents=True)
     path.write_bytes(b"not weights")
+    vouch(path)
     refused(capsys, "model.safetensors", "safetensors file", row="FC-498")
 
 

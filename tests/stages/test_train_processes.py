@@ -34,7 +34,7 @@ def test_two_processes_train_what_one_does(project, capfd):
     project(("refinenet", "baseline", "freeze_batch_norm"), True)
     assert train("refinenet") == 0
     alone = losses()
-    assert json.loads((FOLDER / "run.json").read_text())["params"]["train"]["processes"] == 1
+    assert json.loads((FOLDER / "run.json").read_text())["processes"] == 1
     for name in hashes("refinenet"):
         (FOLDER / name).unlink()
 
@@ -43,7 +43,7 @@ def test_two_processes_train_what_one_does(project, capfd):
     assert capfd.readouterr().out.count("(kept)") == 1
     assert list(hashes("refinenet")) == ["curves.csv", "model.safetensors", "run.json"]
     assert losses() == pytest.approx(alone, rel=1e-5)
-    assert json.loads((FOLDER / "run.json").read_text())["params"]["train"]["processes"] == 2
+    assert json.loads((FOLDER / "run.json").read_text())["processes"] == 2
 
 
 @pytest.mark.parametrize("missing", ["image_1.png", "image_5.png"], ids=["of training", "of validation"])

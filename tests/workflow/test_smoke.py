@@ -1,14 +1,10 @@
 """Both engines run the whole chain on the smallest params, and make the same bytes."""
 
-import hashlib
 import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from engines import clone, hashes, run
 
 from foggy_synscapes.datasets.labels import from_train_ids
 from foggy_synscapes.datasets.test_sets import labelled_pairs
@@ -16,75 +12,10 @@ from foggy_synscapes.io.images import encode_png, read_ids
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 
-ROOT = Path(__file__).resolve().parents[2]
-PROJECT = (
-    "Snakefile",
-    "workflow",
-    "src",
-    "params",
-    "params.yaml",
-    "dvc.yaml",
-    ".dvc/config",
-    ".dvcignore",
-    ".gitignore",
-)
+pytestmark = pytest.mark.xdist_group("chain")
 TABLES = [
     f"results/tables/{name}.{ending}" for name in ("foggy_driving", "foggy_zurich") for ending in ("csv", "tex", "md")
 ]
-
-
-def clone(folder: Path) -> Path:
-    """A copy of the project's files, as it stands, without results."""
-    for name in PROJECT:
-        source, target = ROOT / name, folder / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
-        else:
-            shutil.copy(source, target)
-    return folder
-
-
-def run(folder: Path, module: str, *arguments: str) -> str:
-    """Run an engine of this environment in a folder; its output, also where it fails, which is an error."""
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    call = [sys.executable, "-m", module, *arguments]
-    result = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    logs = [] if result.returncode == 0 else sorted((folder / "results/logs").rglob("*.log"))
-    told = "".join(
-        f"\n--- {log}\n{log.read_text()}" for log in logs if "Error" in log.read_text() or "foggy " in log.read_text()
-    )
-    assert result.returncode == 0, result.stdout[-3000:] + result.stderr[-5000:] + told[-5000:]
-    return result.stdout + result.stderr
-
-
-def hashes(folder: Path) -> dict[str, str]:
-    """SHA-256 of every result that is not a log, a benchmark or a cache."""
-    return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted((folder / "results").rglob("*"))
-        if path.is_file()
-        and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks")
-        and path.name not in (".gitignore", ".snakemake_timestamp")
-    }
-
-
-@pytest.fixture(scope="module")
-def snakemake(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A clone, in a folder with spaces and quotes, in which Snakemake ran the chain on two cores."""
-    folder = clone(tmp_path_factory.mktemp("it's a clone"))
-    run(folder, "snakemake", "--cores", "2", "--configfile", "params/smoke.yaml")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def dvc(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A clone in which DVC ran the chain."""
-    folder = clone(tmp_path_factory.mktemp("clone"))
-    shutil.copy(folder / "params/smoke.yaml", folder / "params.yaml")
-    subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
-    run(folder, "dvc", "repro")
-    return folder
 
 
 def test_every_trained_row_has_scores_and_an_untrained_one_has_dashes(snakemake: Path) -> None:

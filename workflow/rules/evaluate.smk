@@ -1,3 +1,6 @@
+RUNS = [
+    f"train.{key}" for key in ["networks", "seeds", "from_weights", "from_baseline"]
+]
 EVALUATED = "results/evaluate/{test_set}/{network}/{row}/seed-{seed}"
 
 
@@ -32,9 +35,11 @@ rule evaluate:
         runtime=240,
     params:
         versions=versions("evaluate"),
-        evaluate=section("evaluate", "threads"),
-        scenes=section("scenes", "zurich_list"),
-        roots=lambda wildcards: roots(wildcards.test_set),
+        reads=lambda wildcards: reads(
+            "evaluate.threads",
+            f"scenes.roots.{wildcards.test_set}",
+            "scenes.zurich_list",
+        ),
     shell:
         "foggy evaluate --network {wildcards.network} --row {wildcards.row} --seed {wildcards.seed}"
         " --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

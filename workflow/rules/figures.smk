@@ -21,22 +21,21 @@ def figure_sources(figure):
     return index_parts(test_set) + scores
 
 
-def figure_settings(figure):
-    """Values that a figure is drawn by, as text: those of its kind alone."""
+def figure_reads(figure):
+    """Params that a figure is drawn by, beside its own section."""
     if figure in ("beta_strip", "fc_against_fs"):
-        values = [
-            section("fog", "geometry"),
-            section("scenes", "refined_list", "shards"),
+        return [
+            "fog.geometry",
+            "scenes.roots",
+            "scenes.refined_list",
+            "scenes.shards",
         ]
-    elif figure == "sky_contrast":
-        values = [section("filter")]
-    else:
-        rows = [entry.row for entry in PARAMS.tables.rows]
-        grid = ["networks", "seeds", "from_weights", "from_baseline"]
-        values = [json.dumps(rows), section("train", *grid)]
-    if figure.startswith("predictions_"):
-        values.append(section("scenes", "zurich_list"))
-    return values + ([] if figure == "curves" else [section("scenes", "roots")])
+    if figure == "sky_contrast":
+        return ["filter", "scenes.roots"]
+    keys = [*RUNS, "tables.rows.row"]
+    if figure != "curves":
+        keys.append("scenes.roots")
+    return keys + (["scenes.zurich_list"] if figure.startswith("predictions") else [])
 
 
 rule figures:
@@ -62,7 +61,6 @@ rule figures:
         runtime=60,
     params:
         versions=versions("figures"),
-        figures=section("figures"),
-        settings=lambda wildcards: figure_settings(wildcards.figure),
+        reads=lambda wildcards: reads("figures", *figure_reads(wildcards.figure)),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -16,8 +16,6 @@ rule filter:
         runtime=60,
     params:
         versions=versions("filter"),
-        filter=section("filter"),
-        scenes=section("scenes", "shards"),
-        roots=roots("synscapes"),
+        reads=reads("filter", "scenes.roots.synscapes", "scenes.shards"),
     shell:
         "foggy filter{PARAMS_OPTION} > {log:q} 2>&1"

@@ -1,3 +1,11 @@
+AIRLIGHT_READS = (
+    "fog.frames",
+    "fog.blue_airlight",
+    "scenes.roots.synscapes",
+    "scenes.shard_frames",
+)
+
+
 rule fog_airlight:
     """Estimate the atmospheric light of a shard's frames, once for all betas."""
     input:
@@ -16,9 +24,7 @@ rule fog_airlight:
         runtime=120,
     params:
         versions=versions("fog"),
-        fog=section("fog", "frames", "blue_airlight"),
-        scenes=section("scenes", "shard_frames"),
-        roots=roots("synscapes"),
+        reads=reads(*AIRLIGHT_READS),
     shell:
         "foggy fog --airlight --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"
 
@@ -43,8 +49,6 @@ rule fog:
         runtime=120,
     params:
         versions=versions("fog"),
-        fog=section("fog", "frames", "geometry", "blue_airlight", "png_level", "render"),
-        scenes=section("scenes", "shard_frames"),
-        roots=roots("synscapes"),
+        reads=reads(*AIRLIGHT_READS, "fog.geometry", "fog.png_level", "fog.render"),
     shell:
         "foggy fog --beta {wildcards.beta} --shard {wildcards.shard}{PARAMS_OPTION} > {log:q} 2>&1"

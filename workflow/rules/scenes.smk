@@ -32,7 +32,6 @@ for name in (
         params:
             versions=versions("scenes"),
             dataset=name,
-            scenes=json.dumps(PARAMS.scenes.deciding(name), sort_keys=True),
-            roots=roots(name),
+            reads=reads(*PARAMS.scenes.deciding(name)),
         shell:
             "foggy scenes --dataset {params.dataset}{PARAMS_OPTION} > {log:q} 2>&1"

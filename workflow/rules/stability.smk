@@ -27,6 +27,6 @@ rule stability:
         runtime=60,
     params:
         versions=versions("stability"),
-        stability=section("stability"),
+        reads=reads("stability"),
     shell:
         "foggy stability{PARAMS_OPTION} > {log:q} 2>&1"

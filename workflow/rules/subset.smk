@@ -17,6 +17,15 @@ def subset_sources(row):
     return purely_synthetic(row) + (PARTIAL if kind == "mixed" else [])
 
 
+def subset_reads(row):
+    """Params that a list is made by, by its kind."""
+    kind = PARAMS.subset.kind(row)
+    keys = [f"subset.{kind}.{row}"]
+    if kind in ("partial", "mixed"):
+        keys += ["scenes.roots.foggy_cityscapes", "scenes.refined_list"]
+    return keys + (["scenes.shards"] if kind in ("pure", "mixed") else [])
+
+
 for row in ROWS:
 
     rule:
@@ -40,8 +49,6 @@ for row in ROWS:
         params:
             versions=versions("subset"),
             row=row,
-            subset=json.dumps(PARAMS.subset.rows()[row].model_dump(mode="json")),
-            scenes=section("scenes", "shards", "refined_list"),
-            roots=roots("foggy_cityscapes"),
+            reads=reads(*subset_reads(row)),
         shell:
             "foggy subset --row {params.row}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -23,9 +23,6 @@ rule tables:
         runtime=30,
     params:
         versions=versions("tables"),
-        tables=section("tables"),
-        subset=section("subset"),
-        roots=section("scenes", "roots"),
-        train=section("train", "networks", "seeds", "from_weights", "from_baseline"),
+        reads=reads("tables", "subset", "scenes.roots", *RUNS),
     shell:
         "foggy tables --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

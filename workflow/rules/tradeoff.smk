@@ -20,8 +20,6 @@ rule tradeoff:
         runtime=120,
     params:
         versions=versions("tradeoff"),
-        tradeoff=section("tradeoff"),
-        scenes=section("scenes", "shards"),
-        roots=roots("synscapes"),
+        reads=reads("tradeoff", "scenes.roots.synscapes", "scenes.shards"),
     shell:
         "foggy tradeoff{PARAMS_OPTION} > {log:q} 2>&1"

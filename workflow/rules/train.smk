@@ -1,15 +1,17 @@
-def network_settings(network, row):
-    """What of a network's settings a training reads: its shape, and the policy of its kind."""
-    values = getattr(PARAMS.train, network).model_dump(mode="json", by_alias=True)
-    policy = (
+def train_reads(network, row):
+    """Params that decide what a training gives: not its workers or memory."""
+    own = (
         ["fine_tuning"]
         if row in PARAMS.train.from_baseline
         else ["baseline", "weights"]
     )
-    return json.dumps(
-        {key: values[key] for key in ["backbone", "width", "decoder", *policy]},
-        sort_keys=True,
-    )
+    keys = [f"{network}.{key}" for key in ["backbone", "width", "decoder", *own]]
+    keys += ["threads", "device", "precision", "memory_format", "curve"]
+    keys += [f"rows.{row}"] if row in PARAMS.train.from_baseline else []
+    datasets = ["synscapes", "cityscapes", "foggy_cityscapes"]
+    return [f"train.{key}" for key in keys] + [
+        f"scenes.roots.{name}" for name in datasets
+    ]
 
 
 def start_weights(network, row):
@@ -71,16 +73,7 @@ for network in PARAMS.train.networks:
                 versions=versions("train"),
                 network=network,
                 row=row,
-                train=section(
-                    "train", "threads", "device", "precision", "memory_format", "curve"
-                ),
-                network_settings=network_settings(network, row),
-                length=json.dumps(
-                    PARAMS.train.rows[row].model_dump(mode="json")
-                    if row in PARAMS.train.rows
-                    else None
-                ),
-                roots=roots("synscapes", "cityscapes", "foggy_cityscapes"),
+                reads=reads(*train_reads(network, row)),
             shell:
                 "foggy train --network {params.network} --row {params.row} --seed {wildcards.seed}{PARAMS_OPTION}"
                 " > {log:q} 2>&1"

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from foggy_synscapes.datasets import cityscapes, foggy_driving, foggy_zurich
 
+TEST_SETS = ("foggy_driving", "foggy_zurich", "cityscapes")
+
 
 def labelled_pairs(test_set: str, root: Path, index: Mapping[str, str], zurich_list: str) -> list[tuple[str, str]]:
     """(image, labelIds) paths of a test set below its root, sorted.

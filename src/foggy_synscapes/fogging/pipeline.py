@@ -16,17 +16,18 @@ from foggy_synscapes.fogging import recipes, render
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import read_checked, sha256
 from foggy_synscapes.io.images import is_whole_png, read_rgb
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 
 FOLDER = Path("results/fog")
 KEPT = Path("results/filter/kept.csv")
 COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
-AIRLIGHT_PARAMS = ("frames", "blue_airlight")
-FOG_PARAMS = ("frames", "geometry", "blue_airlight", "png_level", "render")
+AIRLIGHT_PARAMS = ("fog.frames", "fog.blue_airlight", "scenes.roots.synscapes", "scenes.shard_frames")
+FOG_PARAMS = (*AIRLIGHT_PARAMS, "fog.geometry", "fog.png_level", "fog.render")
 ON_THE_FLY = "on_the_fly"
 
 
@@ -38,6 +39,7 @@ def airlight(params: Params, shard: str) -> None:
     Raises FoggyError if an image is missing, damaged or not as indexed.
     """
     treatment, rows = params.fog.blue_airlight, []
+    inputs = checked_inputs([index_path(f"synscapes/{shard}"), KEPT])
     render.keep_memory()
     index, folder = read_index(f"synscapes/{shard}"), root(params, "synscapes")
     for frame in progress(_frames(params, shard), f"fog airlight {shard}", unit="frame"):
@@ -50,8 +52,8 @@ def airlight(params: Params, shard: str) -> None:
     write_run(
         table.with_suffix(".run.json"),
         command=["foggy", "fog", "--airlight", "--shard", shard],
-        params=_params(params, AIRLIGHT_PARAMS),
-        inputs=[index_path(f"synscapes/{shard}"), KEPT],
+        params=recorded(params, *AIRLIGHT_PARAMS),
+        inputs=inputs,
         outputs=[table],
     )
     blue = sum(row[6] for row in rows)
@@ -67,17 +69,17 @@ def fog(params: Params, beta: str, shard: str) -> None:
     """
     tar = FOLDER / f"beta_{beta}" / f"{shard}.tar"
     table, manifest = FOLDER / "airlight" / f"{shard}.csv", tar.with_suffix(".csv")
-    inputs = [index_path(f"synscapes/{shard}"), KEPT, table]
+    inputs = checked_inputs([index_path(f"synscapes/{shard}"), KEPT, table])
     render.keep_memory()
     lights = {int(row["id"]): row for row in read_csv(table, COLUMNS)}
-    finished = _finished(tar, {"inputs": [sha256(path) for path in inputs], "params": _params(params, FOG_PARAMS)})
+    finished = _finished(tar, {"inputs": inputs, "params": recorded(params, *FOG_PARAMS)})
     dropped: list[int] = []
     members = _members(params, beta, shard, lights, finished, dropped)
     write_manifest(manifest, write_shard(tar, members))
     write_run(
         tar.with_suffix(".run.json"),
         command=["foggy", "fog", "--beta", beta, "--shard", shard],
-        params=_params(params, FOG_PARAMS),
+        params=recorded(params, *FOG_PARAMS),
         inputs=inputs,
         outputs=[tar, manifest],
     )
@@ -137,11 +139,6 @@ def read_frame(folder: Path, frame: int, index: dict[str, str]) -> render.Clear:
 def _read(folder: Path, path: str, index: dict[str, str]) -> bytes:
     expect(index, [path], "synscapes")
     return read_checked(folder / path, index[path])
-
-
-def _params(params: Params, keys: tuple[str, ...]) -> dict:
-    fog = params.fog.model_dump()
-    return {"fog": {key: fog[key] for key in keys}, "scenes": {"shard_frames": params.scenes.shard_frames}}
 
 
 def _finished(tar: Path, job: dict) -> Path:

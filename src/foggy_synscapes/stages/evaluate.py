@@ -9,15 +9,16 @@ from typing import Any
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.datasets.labels import CLASSES
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
-from foggy_synscapes.datasets.test_sets import labelled_pairs
+from foggy_synscapes.datasets.test_sets import TEST_SETS, labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.shards import write_shard
 from foggy_synscapes.params import Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 from foggy_synscapes.scoring.encoding import ENCODINGS
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
@@ -25,7 +26,6 @@ from foggy_synscapes.scoring.tally import Tally
 HELP = "Score a model on a test set, or any PNG predictions against label maps (IoU in percent)."
 FOLDER = Path("results/evaluate")
 MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
-TEST_SETS = ("foggy_driving", "foggy_zurich", "cityscapes")
 JOB = ("network", "row", "seed", "test_set")
 
 
@@ -125,6 +125,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         raise FoggyError(
             f"{source}: missing. Train it first: foggy train --network {network} --row {row} --seed {seed}"
         )
+    inputs = checked_inputs([source, index_path(f"{test_set}/all")])
     try:
         model = load_model(source.read_bytes())
     except ValueError as error:
@@ -144,8 +145,8 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     write_run(
         folder / "run.json",
         command=["foggy", "evaluate", "--network", network, "--row", row, "--seed", seed, "--test-set", test_set],
-        params={"evaluate": {"threads": params.evaluate.threads}, "scenes": {"zurich_list": params.scenes.zurich_list}},
-        inputs=[source, index_path(f"{test_set}/all")],
+        params=recorded(params, "evaluate.threads", f"scenes.roots.{test_set}", "scenes.zurich_list"),
+        inputs=inputs,
         outputs=[folder / "metrics.json", folder / "predictions.tar"],
     )
     print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}")

@@ -20,11 +20,12 @@ from foggy_synscapes.fog.optics import meteorological_optical_range
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_depth, read_ids, read_rgb
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import STAND_IN, Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.iou import iou, mean_annotated
 
@@ -40,6 +41,18 @@ SKY_CONTRAST = "sky_contrast"
 TEST_SETS = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich", "cityscapes": "clear Cityscapes, val"}
 OF_TEST_SET = ("predictions", "class_change", "confusion")
 NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
+RUNS = ("train.networks", "train.seeds", "train.from_weights", "train.from_baseline", "tables.rows.row")
+OF_FRAMES = ("fog.geometry", "scenes.roots", "scenes.refined_list", "scenes.shards")
+# Params that each kind of figure reads beside its own section.
+READ = {
+    "beta_strip": OF_FRAMES,
+    "fc_against_fs": OF_FRAMES,
+    "sky_contrast": ("filter", "scenes.roots"),
+    "curves": RUNS,
+    "predictions": (*RUNS, "scenes.roots", "scenes.zurich_list"),
+    "class_change": (*RUNS, "scenes.roots"),
+    "confusion": (*RUNS, "scenes.roots"),
+}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,19 +77,18 @@ def figures(params: Params, name: str) -> None:
     """
     from foggy_synscapes.plotting.style import render
 
-    inputs: list[Path] = []
-    draw: dict[str, Callable[[Params, list[Path]], Figure]] = {
+    inputs: dict[str, str] = {}
+    draw: dict[str, Callable[[Params, dict[str, str]], Figure]] = {
         "beta_strip": _beta_strip,
         "fc_against_fs": _fc_against_fs,
         "sky_contrast": _sky_contrast,
         "curves": _curves,
     }
     draw_of_test_set = {"predictions": _predictions, "class_change": _class_change, "confusion": _confusion}
-    fogs = name in ("beta_strip", "fc_against_fs")
-    if name in draw:
-        figure = draw[name](params, inputs)
+    kind = next((kind for kind in OF_TEST_SET if name.startswith(kind)), name)
+    if kind in draw:
+        figure = draw[kind](params, inputs)
     else:
-        kind = next(kind for kind in OF_TEST_SET if name.startswith(kind))
         figure = draw_of_test_set[kind](params, inputs, name.removeprefix(f"{kind}_"))
     outputs = [FOLDER / f"{name}.{ending}" for ending in ("png", "pdf")]
     for path in outputs:
@@ -84,7 +96,7 @@ def figures(params: Params, name: str) -> None:
     write_run(
         FOLDER / f"{name}.run.json",
         command=["foggy", "figures", "--figure", name],
-        params={"figures": params.figures.model_dump(), **({"fog": {"geometry": params.fog.geometry}} if fogs else {})},
+        params=recorded(params, "figures", *READ[kind]),
         inputs=inputs,
         outputs=outputs,
     )
@@ -108,10 +120,10 @@ class Frame:
             raise FoggyError(f"frame {self.number}: {error}") from error
 
 
-def _frames(params: Params, count: int, inputs: list[Path]) -> list[Frame]:
+def _frames(params: Params, count: int, inputs: dict[str, str]) -> list[Frame]:
     """The first kept frames."""
     names = [f"synscapes/{shard}" for shard in params.scenes.shards]
-    inputs += [KEPT, *(index_path(name) for name in names)]
+    inputs.update(checked_inputs([KEPT, *(index_path(name) for name in names)]))
     index, folder = read_index(*names), root(params, "synscapes")
     frames = []
     for row in read_csv(KEPT, ("id",))[:count]:
@@ -124,7 +136,7 @@ def _frames(params: Params, count: int, inputs: list[Path]) -> list[Frame]:
     return frames
 
 
-def _beta_strip(params: Params, inputs: list[Path]) -> "Figure":
+def _beta_strip(params: Params, inputs: dict[str, str]) -> "Figure":
     """Two frames in clear weather and at each beta, as in the paper's figure 3."""
     from foggy_synscapes.plotting.panels import grid
 
@@ -137,14 +149,14 @@ def _beta_strip(params: Params, inputs: list[Path]) -> "Figure":
     return grid(lines, ["clear", *sights])
 
 
-def _fc_against_fs(params: Params, inputs: list[Path]) -> "Figure":
+def _fc_against_fs(params: Params, inputs: dict[str, str]) -> "Figure":
     """Foggy Synscapes above Foggy Cityscapes at the same beta, as in the paper's figure 4."""
     from foggy_synscapes.plotting.panels import grid
 
     beta, count = params.figures.comparison_beta, params.figures.images
     purely = [frame.foggy([beta], params.fog.geometry)[0] for frame in _frames(params, count, inputs)]
     name, folder = "foggy_cityscapes/all", root(params, "foggy_cityscapes")
-    inputs += [index_path(name), index_path("cityscapes/all")]
+    inputs.update(checked_inputs([index_path(name), index_path("cityscapes/all")]))
     index = read_index(name)
     refined = foggy_cityscapes.read_refined(folder, params.scenes.refined_list, index)["train"][:count]
     paths = [foggy_cityscapes.image(frame, beta) for frame in refined]
@@ -155,12 +167,12 @@ def _fc_against_fs(params: Params, inputs: list[Path]) -> "Figure":
     return grid([purely[:shown], partly[:shown]], [""] * shown, ["Foggy Synscapes", "Foggy Cityscapes"], title=title)
 
 
-def _sky_contrast(params: Params, inputs: list[Path]) -> "Figure":
+def _sky_contrast(params: Params, inputs: dict[str, str]) -> "Figure":
     """Distribution of the scene key by which the paper would filter (section IV.B), and the filter's cut."""
     from foggy_synscapes.plotting.histogram import cut_histogram
 
+    inputs.update(checked_inputs([FRAMES]))
     frames = read_csv(FRAMES, (SKY_CONTRAST, "kept"))
-    inputs.append(FRAMES)
     values, kept = (
         [convert(frame[key]) for frame in frames] for key, convert in ((SKY_CONTRAST, float), ("kept", int))
     )
@@ -174,7 +186,7 @@ def _sky_contrast(params: Params, inputs: list[Path]) -> "Figure":
     return cut_histogram(values, kept, cuts, "sky_contrast", f"Synscapes{stand_in}: contrast of the sky of each frame")
 
 
-def _curves(params: Params, inputs: list[Path]) -> "Figure":
+def _curves(params: Params, inputs: dict[str, str]) -> "Figure":
     """Training and validation loss of each row, of the first seed."""
     from foggy_synscapes.plotting.curves import curves
 
@@ -184,8 +196,8 @@ def _curves(params: Params, inputs: list[Path]) -> "Figure":
         panels[NETWORKS[network]] = {}
         for row in _rows(params):
             path = Path(f"results/train/{network}/{row}/seed-{seed}/curves.csv")
+            inputs.update(checked_inputs([path]))
             table = read_csv(path, ("step", "train_loss", "validation_loss"))
-            inputs.append(path)
             last = max((int(line["step"]) for line in table), default=1)
             panels[NETWORKS[network]][row] = tuple(
                 [(100 * int(line["step"]) / last, float(line[name])) for line in table if line[name]]
@@ -201,12 +213,12 @@ def _rows(params: Params) -> list[str]:
     return [row for row in printed if row in trained] + [row for row in trained if row not in printed]
 
 
-def _predictions(params: Params, inputs: list[Path], test_set: str) -> "Figure":
+def _predictions(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Test images, their ground truth and the predictions of each row, with the mean IoU of each single image."""
     from foggy_synscapes.plotting.panels import colour, grid
 
+    inputs.update(checked_inputs([index_path(f"{test_set}/all")]))
     index, folder = read_index(f"{test_set}/all"), root(params, test_set)
-    inputs.append(index_path(f"{test_set}/all"))
     pairs = spread(labelled_pairs(test_set, folder, index, params.scenes.zurich_list), params.figures.images)
     expect(index, [path for pair in pairs for path in pair], test_set)
     clear = [read_rgb(read_checked(folder / image, index[image]), image) for image, _ in pairs]
@@ -224,7 +236,7 @@ def _predictions(params: Params, inputs: list[Path], test_set: str) -> "Figure":
         scores = [["", ""] for _ in pairs]
         for row in rows:
             path = Path(f"results/evaluate/{test_set}/{network}/{row}/seed-{seed}/predictions.tar")
-            inputs.append(path)
+            inputs.update(checked_inputs([path]))
             with Shard(path) as shard:
                 for number, (image, _) in enumerate(pairs):
                     predicted = read_ids(shard.read(image), f"{path}#{image}")
@@ -239,7 +251,7 @@ def _predictions(params: Params, inputs: list[Path], test_set: str) -> "Figure":
     return grid(lines, ["image", "ground truth", *rows], names, notes, legend=True, title=title)
 
 
-def _class_change(params: Params, inputs: list[Path], test_set: str) -> "Figure":
+def _class_change(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Change of each class's IoU against the baseline C, of the first seed."""
     from foggy_synscapes.plotting.scores import class_change
 
@@ -259,7 +271,7 @@ def _class_change(params: Params, inputs: list[Path], test_set: str) -> "Figure"
     return class_change(panels, [*CLASSES, f"mean ({annotated} annotated)"], _title(params, test_set), BASELINE)
 
 
-def _confusion(params: Params, inputs: list[Path], test_set: str) -> "Figure":
+def _confusion(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Confusion matrix of each network's best row, of the first seed."""
     from foggy_synscapes.plotting.scores import confusion
 
@@ -271,14 +283,15 @@ def _confusion(params: Params, inputs: list[Path], test_set: str) -> "Figure":
     return confusion(panels, CLASSES, _title(params, test_set))
 
 
-def _scores(params: Params, inputs: list[Path], test_set: str) -> dict[str, dict[str, dict]]:
+def _scores(params: Params, inputs: dict[str, str], test_set: str) -> dict[str, dict[str, dict]]:
     """Metrics by network and row, of the first seed, of the runs that exist."""
     found: dict[str, dict[str, dict]] = {}
     for network in params.train.networks:
         paths = {row: scores_path(test_set, network, row, params.train.seeds[0]) for row in _rows(params)}
-        runs = {row: read_scores(path) for row, path in paths.items()}
+        made = {row: path for row, path in paths.items() if path.is_file()}
+        inputs.update(checked_inputs(made.values()))
+        runs = {row: read_scores(path) for row, path in made.items()}
         found[network] = {row: run for row, run in runs.items() if run is not None}
-        inputs += [paths[row] for row in found[network]]
         if not found[network]:
             raise FoggyError(f"figures: no scores of {network} on {test_set}; run `foggy evaluate` first")
     return found

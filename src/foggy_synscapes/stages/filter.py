@@ -7,10 +7,11 @@ from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import index_path, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import checked
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import FilterRule, Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 
 HELP = "Keep frames by their metadata: one table of all frames, and the list of those kept."
 FOLDER = Path("results/filter")
@@ -35,6 +36,7 @@ def filter(params: Params) -> None:
         If a meta file is missing or lacks a key, or no frame is left.
     """
     names = [f"synscapes/{shard}" for shard in params.scenes.shards]
+    inputs = checked_inputs(index_path(name) for name in names)
     index, folder = read_index(*names), root(params, "synscapes")
     ids = sorted(int(Path(path).stem) for path in index if path.startswith("meta/"))
     frames, kept = [], []
@@ -56,8 +58,8 @@ def filter(params: Params) -> None:
     write_run(
         FOLDER / "run.json",
         command=["foggy", "filter"],
-        params={"filter": params.filter.model_dump(), "scenes": {"shards": params.scenes.shards}},
-        inputs=[index_path(name) for name in names],
+        params=recorded(params, "filter", "scenes.roots.synscapes", "scenes.shards"),
+        inputs=inputs,
         outputs=outputs,
     )
     print(f"filter: kept {len(kept)} of {len(ids)} frames")

@@ -16,6 +16,7 @@ from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.runs import versions, write_run
 from foggy_synscapes.params import STAND_IN, Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 
 HELP = "Render the stand-in of a dataset where its root says so, and list what the dataset holds."
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich")
@@ -64,8 +65,8 @@ def scenes(params: Params, dataset: str, jobs: int = 1) -> None:
     write_run(
         FOLDER / dataset / "run.json",
         command=["foggy", "scenes", "--dataset", dataset],
-        params={"scenes": params.scenes.deciding(dataset)},
-        inputs=[],
+        params=recorded(params, *params.scenes.deciding(dataset)),
+        inputs={},
         outputs=[*outputs, readme],
     )
     files = sum(len(paths) for paths in indexes.values())
@@ -146,7 +147,8 @@ def _files(frame: stand_in.Frame) -> stand_in.Files:
 def _fingerprint(params: Params, dataset: str) -> str:
     """Changes with anything that can change a pixel: params, sources, library versions."""
     sources = {name: sha256(closure.FOLDER / name) for name in closure.sources("scenes")}
-    document = [params.scenes.deciding(dataset)["stand_in"], sources, versions("scenes")]
+    drawn = recorded(params, *(key for key in params.scenes.deciding(dataset) if key.startswith("scenes.stand_in.")))
+    document = [drawn, sources, versions("scenes")]
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 

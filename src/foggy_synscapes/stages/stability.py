@@ -7,6 +7,7 @@ from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
+from foggy_synscapes.recorded import recorded
 from foggy_synscapes.stability import fog_checks, other_checks
 from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
 
@@ -42,8 +43,8 @@ def stability(params: Params) -> list[Check]:
     write_run(
         FOLDER / "run.json",
         command=["foggy", "stability"],
-        params={"stability": params.stability.model_dump()},
-        inputs=[],
+        params=recorded(params, "stability"),
+        inputs={},
         outputs=outputs,
     )
     failed = sum(check.verdict == FAILS for check in checks)

@@ -8,15 +8,19 @@ from pathlib import Path
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, synscapes, uris
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.shards import read_manifest
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import ClearList, FoggyList, MixedList, Params, load, root
+from foggy_synscapes.recorded import recorded
 
 HELP = "List the images and labels that a row of the tables trains on and is validated with."
 FOLDER = Path("results/subset")
 COLUMNS = ("image", "image_sha256", "label", "label_sha256")
 KEPT = Path("results/filter/kept.csv")
+REFINED = ("scenes.roots.foggy_cityscapes", "scenes.refined_list")
+# Params that each kind of list reads beside its own entry.
+READ = {"clear": (), "partial": REFINED, "pure": ("scenes.shards",), "mixed": (*REFINED, "scenes.shards")}
 
 Entry = tuple[str, str, str, str]
 
@@ -47,7 +51,7 @@ def subset(params: Params, row: str) -> None:
         If a list asks for more frames than there are, or an image has no label map.
     """
     kind, entry = params.subset.kind(row), params.subset.rows()[row]
-    inputs: list[Path] = []
+    inputs: dict[str, str] = {}
     lists = {"clear": _clear, "partial": _partial, "pure": _pure, "mixed": _mixed}[kind](params, entry, row, inputs)
     outputs = []
     for name, asked, entries in zip(("train", "validation"), _asked(kind, entry), lists, strict=True):
@@ -58,7 +62,7 @@ def subset(params: Params, row: str) -> None:
     write_run(
         FOLDER / row / "run.json",
         command=["foggy", "subset", "--row", row],
-        params={"subset": {kind: {row: entry.model_dump()}}},
+        params=recorded(params, f"subset.{kind}.{row}", *READ[kind]),
         inputs=inputs,
         outputs=outputs,
     )
@@ -106,7 +110,7 @@ def _take(available: list[str], count: int, what: str) -> list[str]:
     return available[:count]
 
 
-def _clear(params: Params, entry: ClearList, row: str, inputs: list[Path]) -> tuple[list[Entry], list[Entry]]:
+def _clear(params: Params, entry: ClearList, row: str, inputs: dict[str, str]) -> tuple[list[Entry], list[Entry]]:
     index = _read_indexes(["cityscapes/all"], inputs)
 
     def entries(split: str, count: int, name: str) -> list[Entry]:
@@ -116,13 +120,13 @@ def _clear(params: Params, entry: ClearList, row: str, inputs: list[Path]) -> tu
     return entries("train", entry.train, "train"), entries("val", entry.validation, "validation")
 
 
-def _partial(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tuple[list[Entry], list[Entry]]:
+def _partial(params: Params, entry: FoggyList, row: str, inputs: dict[str, str]) -> tuple[list[Entry], list[Entry]]:
     counts = entry.train, entry.validation
     return _foggy_cityscapes(params, entry.beta, counts, f"subset.partial.{row}", inputs)
 
 
 def _foggy_cityscapes(
-    params: Params, beta: str, counts: tuple[int | None, int | None], what: str, inputs: list[Path]
+    params: Params, beta: str, counts: tuple[int | None, int | None], what: str, inputs: dict[str, str]
 ) -> tuple[list[Entry], list[Entry]]:
     """Refined images of both splits; a count of None takes all."""
     labels = _read_indexes(["cityscapes/all"], inputs)
@@ -150,18 +154,18 @@ def _pairs(
         yield uris.of_dataset(dataset, image), images[image], uris.of_dataset("cityscapes", label), labels[label]
 
 
-def _pure(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tuple[list[Entry], list[Entry]]:
+def _pure(params: Params, entry: FoggyList, row: str, inputs: dict[str, str]) -> tuple[list[Entry], list[Entry]]:
     """The first kept frames for training, the last for validation (paper, sections IV.A and IV.B)."""
     shards = params.scenes.shards
     index = _read_indexes([f"synscapes/{shard}" for shard in shards], inputs)
     manifests = [uris.FOG / f"beta_{entry.beta}" / f"{shard}.csv" for shard in shards]
+    inputs.update(checked_inputs([*manifests, KEPT]))
     members = {
         member.name: (shard, member.sha256)
         for shard, path in zip(shards, manifests, strict=True)
         for member in read_manifest(path)
     }
     kept = [int(line["id"]) for line in read_csv(KEPT, ("id",))]
-    inputs += [*manifests, KEPT]
     asked = entry.train + entry.validation
     if asked > len(kept):
         raise FoggyError(
@@ -189,13 +193,13 @@ def _pure(params: Params, entry: FoggyList, row: str, inputs: list[Path]) -> tup
     return result[0], result[1]
 
 
-def _mixed(params: Params, entry: MixedList, row: str, inputs: list[Path]) -> tuple[list[Entry], list[Entry]]:
+def _mixed(params: Params, entry: MixedList, row: str, inputs: dict[str, str]) -> tuple[list[Entry], list[Entry]]:
     purely = _pure(params, entry, row, inputs)
     partly = _foggy_cityscapes(params, entry.beta_foggy_cityscapes, (None, None), f"subset.mixed.{row}", inputs)
     train, validation = (interleave(*lists, entry.ratio) for lists in zip(purely, partly, strict=True))
     return train, validation
 
 
-def _read_indexes(names: list[str], inputs: list[Path]) -> dict[str, str]:
-    inputs += [index_path(name) for name in names]
+def _read_indexes(names: list[str], inputs: dict[str, str]) -> dict[str, str]:
+    inputs.update(checked_inputs(index_path(name) for name in names))
     return read_index(*names)

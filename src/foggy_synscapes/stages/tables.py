@@ -7,11 +7,12 @@ from typing import Any
 from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.published import TEST_SETS as PUBLISHED
 from foggy_synscapes.published import load as load_published
+from foggy_synscapes.recorded import recorded
 from foggy_synscapes.tabling import html, latex, markdown
 from foggy_synscapes.tabling.ours import TITLES, grids, long_columns
 from foggy_synscapes.tabling.paper import published_columns, published_grid
@@ -19,6 +20,8 @@ from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
 
 HELP = "Make the tables of mean IoU (percent): CSV, LaTeX, Markdown and HTML."
 FOLDER = Path("results/tables")
+RUNS = ("train.networks", "train.seeds", "train.from_weights", "train.from_baseline")
+READ = ("tables", "subset", "scenes.roots", *RUNS)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,14 +72,15 @@ def tables(params: Params, test_set: str) -> None:
     # Metrics of a row that these params do not train may lie there from others: they are not of this experiment.
     trained = [*params.train.from_weights, *params.train.from_baseline]
     runs: dict[tuple[str, str], list[dict[str, Any] | None]] = {}
-    documents, inputs = [], []
+    documents: list[dict[str, Any]] = []
+    inputs: dict[str, str] = {}
     for network in networks:
         for label in labels:
             paths = [scores_path(test_set, network, label.row, seed) for seed in seeds]
+            inputs.update(checked_inputs(path for path in paths if label.row in trained and path.is_file()))
             runs[network, label.row] = [read_scores(path) if label.row in trained else None for path in paths]
             for path, document in zip(paths, runs[network, label.row], strict=True):
                 if document is not None:
-                    inputs.append(path)
                     documents.append(document)
                     _same_labels(documents, path)
     results = collect(networks, labels, runs, load_published(test_set))
@@ -89,10 +93,7 @@ def tables(params: Params, test_set: str) -> None:
     write_run(
         FOLDER / f"{test_set}.run.json",
         command=["foggy", "tables", "--test-set", test_set],
-        params={
-            "tables": {**params.tables.model_dump(), "images": used, "stand_in": params.stand_in},
-            "train": {"networks": networks, "seeds": seeds, "rows": trained},
-        },
+        params=recorded(params, *READ),
         inputs=inputs,
         outputs=outputs,
     )

@@ -1,67 +1,47 @@
-"""trace: what a result was made from, step by step, down to the index of the raw data."""
+"""trace: what a result was made from, job by job, down to the raw data; or what one cell of a table comes from."""
 
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
-from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.runs import read_runs, state
+from foggy_synscapes.datasets.test_sets import TEST_SETS
+from foggy_synscapes.errors import UsageError
+from foggy_synscapes.lineage.cell import trace_cell
+from foggy_synscapes.lineage.tree import Lineage
+from foggy_synscapes.lineage.words import cell_lines, lines
+from foggy_synscapes.params import load, root
 
 HELP = "Show, as a tree, the commands and files that a result was made from, and what on disk no longer matches."
+DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of this command."""
-    parser.add_argument("path", type=Path, help="a result, e.g. results/tables/foggy_zurich.tex")
-    parser.add_argument("--json", action="store_true", help="print the tree as JSON")
+    """Add the options of this step."""
+    parser.add_argument("path", type=Path, nargs="?", help="a result, e.g. results/tables/foggy_zurich.tex")
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+    parser.add_argument("--depth", type=int, metavar="N", help="jobs to go back (default: down to the raw data)")
+    parser.add_argument(
+        "--cell",
+        nargs=3,
+        metavar=("NETWORK", "ROW", "SCORE"),
+        help="instead of a file: one cell, e.g. RefineNet FS-498 sky, or ... 'mean IoU annotated'",
+    )
+    parser.add_argument("--test-set", choices=TEST_SETS, help="with --cell: whose table (default: foggy_zurich)")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the command."""
-    tree = trace(args.path)
-    print(json.dumps(tree, indent=1) if args.json else "\n".join(_lines(tree)))
-
-
-def trace(path: Path) -> dict[str, Any]:
-    """Lineage of a file: its hash, its state on disk, the command that made it, and the same of its inputs.
-
-    Raises
-    ------
-    FoggyError
-        If no run record has the file among its outputs.
-    """
-    records = read_runs()
-    makers = {output: record for record in records.values() for output in record["outputs"]}
-    name = path.as_posix()
-    if name not in makers:
-        raise FoggyError(
-            f"{name}: no run record has it among its outputs. Was it made by this pipeline, from this folder?"
-        )
-    return _node(name, makers[name]["outputs"][name], makers, set())
-
-
-def _node(name: str, digest: str, makers: dict[str, dict], seen: set[str]) -> dict[str, Any]:
-    node: dict[str, Any] = {"path": name, "sha256": digest, "state": state(name, digest)}
-    maker = makers.get(name)
-    if maker is None:
-        return node
-    node["command"] = " ".join(maker["command"])
-    if maker["outputs"][name] != digest:
-        # The consumer read other bytes than the last maker wrote: something ran in between, or by hand.
-        node["state"] = "made again since it was read"
-    if name in seen:
-        node["shown_above"] = True
-        return node
-    seen.add(name)
-    node |= {"params": maker["params"], "code": maker["code"], "versions": maker["versions"]}
-    node["inputs"] = [_node(each, value, makers, seen) for each, value in maker["inputs"].items()]
-    return node
-
-
-def _lines(node: dict[str, Any], depth: int = 0) -> list[str]:
-    mark = "" if node["state"] == "unchanged" else f"   <-- {node['state'].upper()}"
-    line = f"{'  ' * depth}{node['path']}  {node['sha256'][:12]}{mark}"
-    if "command" in node:
-        line += f"\n{'  ' * depth}  by: {node['command']}" + ("  (shown above)" if node.get("shown_above") else "")
-    return [line, *(text for child in node.get("inputs", ()) for text in _lines(child, depth + 1))]
+    if (args.path is None) == (args.cell is None):
+        raise UsageError("give a result, e.g. results/tables/foggy_zurich.tex, or --cell NETWORK ROW SCORE")
+    if args.cell is None and args.test_set is not None:
+        raise UsageError("--test-set belongs to --cell")
+    if args.depth is not None and (args.depth < 0 or args.cell is not None):
+        raise UsageError(f"--depth {args.depth}: expected 0 or more jobs, and no --cell")
+    params = load(args.params)
+    lineage = Lineage({name: root(params, name) for name in DATASETS})
+    if args.cell is not None:
+        cell = trace_cell(lineage, args.test_set or "foggy_zurich", *args.cell)
+        print(json.dumps(cell, indent=1) if args.json else "\n".join(cell_lines(cell)))
+        return
+    tree = lineage.tree(args.path.as_posix(), args.depth)
+    print(json.dumps(tree, indent=1) if args.json else "\n".join(lines(tree)))

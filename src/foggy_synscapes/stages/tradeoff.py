@@ -16,10 +16,11 @@ from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.variants import Variant, variants
 from foggy_synscapes.fogging.pipeline import KEPT, read_frame
 from foggy_synscapes.io.atomic import write_bytes, write_text
-from foggy_synscapes.io.runs import write_run
+from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, load, root
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import recorded
 
 HELP = "Measure variants of the fog arithmetic: CPU time against the pixels that change. Its times differ run by run."
 FOLDER = Path("results/tradeoff")
@@ -59,7 +60,7 @@ def tradeoff(params: Params) -> list[Score]:
     from foggy_synscapes.plotting.style import render
     from foggy_synscapes.tabling.long import long_table
 
-    inputs: list[Path] = []
+    inputs: dict[str, str] = {}
     frames = _frames(params, inputs)
     betas = params.tradeoff.betas
     scores = measure(frames, [float(beta) for beta in betas], params.tradeoff.repeats)
@@ -79,7 +80,7 @@ def tradeoff(params: Params) -> list[Score]:
     write_run(
         FOLDER / "run.json",
         command=["foggy", "tradeoff"],
-        params={"tradeoff": params.tradeoff.model_dump()},
+        params=recorded(params, "tradeoff", "scenes.roots.synscapes", "scenes.shards"),
         inputs=inputs,
         outputs=outputs,
     )
@@ -160,9 +161,9 @@ def _foggy(variant: Variant, frame: Frame, betas: list[float]) -> np.ndarray:
     return variant.way(*frame, estimate(frame[0]).levels, betas)
 
 
-def _frames(params: Params, inputs: list[Path]) -> list[Frame]:
+def _frames(params: Params, inputs: dict[str, str]) -> list[Frame]:
     names = [f"synscapes/{shard}" for shard in params.scenes.shards]
-    inputs += [KEPT, *(index_path(name) for name in names)]
+    inputs.update(checked_inputs([KEPT, *(index_path(name) for name in names)]))
     index, folder = read_index(*names), root(params, "synscapes")
     rows = read_csv(KEPT, ("id",))[: params.tradeoff.frames]
     if len(rows) < params.tradeoff.frames:

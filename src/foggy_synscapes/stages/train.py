@@ -15,9 +15,10 @@ from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.runs import versions, write_run
+from foggy_synscapes.io.runs import checked_inputs, versions, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load, root
+from foggy_synscapes.recorded import recorded
 from foggy_synscapes.training_params import Duration, NetworkSettings
 
 if TYPE_CHECKING:
@@ -99,12 +100,12 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     start = FOLDER / network / BASELINE / f"seed-{seed}" / "model.safetensors" if fine_tuned else settings.weights
 
     model = _start(settings, network, start, int(seed))
+    inputs = checked_inputs([*lists.values(), *([start] if start != NO_WEIGHTS else [])])
     reader, budget = Reader({name: root(params, name) for name in DATASETS}), params.train.cache * 2**20
     training = Listed(lists["train"], reader, budget, _composite)
     # Only the first process validates.
     validation = Listed(lists["validation"], reader, budget - training.held, _composite) if ranks.first else None
-    record = _record(params, settings, network, row, fine_tuned) | {"processes": ranks.count}
-    inputs = [*lists.values(), *([start] if start != NO_WEIGHTS else [])]
+    record = _record(params, network, row, fine_tuned)
     # Code and libraries too: weights must not come half from one version of the loss and half from another.
     made_by = {"code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")}}
     made_by["versions"] = versions("train")
@@ -112,7 +113,8 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
         **made_by,
         "params": record,
         "seed": seed,
-        "inputs": {Path(path).as_posix(): sha256(path) for path in inputs},
+        "inputs": inputs,
+        "processes": ranks.count,
     }
     snapshot = folder / "snapshot.safetensors"
     earlier = snapshot.read_bytes() if snapshot.exists() else None
@@ -158,7 +160,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     if not ranks.first:
         return
     model.network.load_state_dict(outcome.best)
-    _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs)
+    _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs, ranks.count)
     snapshot.unlink(missing_ok=True)
     print(
         f"train {network} {row}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} "
@@ -171,13 +173,21 @@ def _take_weights(params: Params, settings: NetworkSettings, network: str, row: 
     from foggy_synscapes.networks.weights import dump
 
     model = _start(settings, network, settings.weights, int(seed), whole=True)
-    record = _record(params, settings, network, row, fine_tuned=False)
-    _finish(network, row, seed, dump(model.network, model.preprocessing), [], record, [settings.weights])
+    record = _record(params, network, row, fine_tuned=False)
+    inputs = checked_inputs([settings.weights])
+    _finish(network, row, seed, dump(model.network, model.preprocessing), [], record, inputs, 1)
     print(f"train {network} {row}: the model is {settings.weights}; its params say that it is not trained")
 
 
 def _finish(
-    network: str, row: str, seed: str, model: bytes, curve: list, record: dict[str, Any], inputs: list[Path | str]
+    network: str,
+    row: str,
+    seed: str,
+    model: bytes,
+    curve: list,
+    record: dict[str, Any],
+    inputs: dict[str, str],
+    processes: int,
 ) -> None:
     """Write the model, its curve and the run record."""
     from foggy_synscapes.training.loop import CURVE
@@ -189,9 +199,10 @@ def _finish(
     write_run(
         folder / "run.json",
         command=["foggy", "train", "--network", network, "--row", row, "--seed", seed],
-        params={"train": record},
+        params=record,
         inputs=inputs,
         outputs=outputs,
+        processes=processes,
     )
 
 
@@ -251,15 +262,13 @@ def _plan(params: Params, length: Duration, validate: Duration, images: int, bat
     )
 
 
-def _record(params: Params, settings: NetworkSettings, network: str, row: str, fine_tuned: bool) -> dict[str, Any]:
-    """The params that decide what this training gives: not its workers or memory; start weights are inputs."""
-    shared = {"threads", "device", "precision", "memory_format", "curve"}
-    unused = {"weights", "baseline" if fine_tuned else "fine_tuning"}
-    record: dict[str, Any] = params.train.model_dump(include=shared, by_alias=True)
-    record[network] = settings.model_dump(exclude=unused, by_alias=True, mode="json")
-    if fine_tuned:
-        record["rows"] = {row: params.train.rows[row].model_dump(by_alias=True)}
-    return record
+def _record(params: Params, network: str, row: str, fine_tuned: bool) -> dict[str, Any]:
+    """The params that decide what this training gives: not its workers or memory."""
+    own = ["fine_tuning"] if fine_tuned else ["baseline", "weights"]
+    keys = [f"{network}.{key}" for key in ("backbone", "width", "decoder", *own)]
+    keys += [f"rows.{row}"] if fine_tuned else []
+    shared = [f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "curve", *keys)]
+    return recorded(params, *shared, *(f"scenes.roots.{dataset}" for dataset in DATASETS))
 
 
 def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:

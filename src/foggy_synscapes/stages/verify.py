@@ -4,20 +4,24 @@ import argparse
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.runs import read_runs, state
-from foggy_synscapes.progress import progress
+from foggy_synscapes.lineage.check import differences
 
-HELP = "Hash results again and name every file that is not what its run record says."
+HELP = "Hash results, and the stand-in that they come from, and name every file that is not what its record says."
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of this command."""
+    """Add the options of this step."""
     parser.add_argument("path", nargs="?", type=Path, default=Path("results"), help="file or folder (default: results)")
 
 
 def run(args: argparse.Namespace) -> None:
-    """Run the command; any difference is an error."""
-    problems, count = verify(args.path)
+    """Run the command."""
+    verify(args.path)
+
+
+def verify(path: Path) -> None:
+    """Raise FoggyError naming every file that is missing or changed; print how many are as recorded otherwise."""
+    problems, count = differences(path)
     if problems:
         raise FoggyError(
             "\n".join(
@@ -29,31 +33,3 @@ def run(args: argparse.Namespace) -> None:
             )
         )
     print(f"verify: {count} files are what their run records say")
-
-
-def verify(path: Path) -> tuple[list[str], int]:
-    """Compare the inputs and outputs of the records that have an output at or below `path`.
-
-    Returns
-    -------
-    A line for each file that is missing, changed, or recorded with two contents; and the number of files compared.
-
-    Raises
-    ------
-    FoggyError
-        If no record speaks of `path`.
-    """
-    recorded: dict[str, dict[str, str]] = {}
-    for place, record in read_runs().items():
-        if any(Path(name).is_relative_to(path) for name in record["outputs"]):
-            for name, digest in {**record["inputs"], **record["outputs"]}.items():
-                recorded.setdefault(name, {})[digest] = str(place)
-    if not recorded:
-        raise FoggyError(f"{path}: no run record speaks of it. Paths are relative to the project's folder: results/...")
-    problems = []
-    for name, digests in progress(sorted(recorded.items()), "verify", unit="file"):
-        states = {state(name, digest): place for digest, place in digests.items()}
-        for word in ("missing", "changed"):
-            if word in states:
-                problems.append(f"{name}: {word} (recorded in {states[word]})")
-    return problems, len(recorded)

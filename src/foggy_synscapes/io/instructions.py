@@ -1,0 +1,27 @@
+"""The instruction set that decides how floating-point sums are ordered and rounded: part of what makes bytes.
+
+PyTorch, NumPy and Numba choose their inner loops by what the processor can do, so that equal code, versions and
+threads may still give other last digits on another kind of processor. Its name is not needed for that, its
+instructions are.
+"""
+
+import importlib
+import os
+import platform
+
+# What limits the libraries below the processor's own instructions, where it is set.
+LIMITS = ("ATEN_CPU_CAPABILITY", "DNNL_MAX_CPU_ISA", "MKL_ENABLE_INSTRUCTIONS", "NUMBA_CPU_NAME", "ONEDNN_MAX_CPU_ISA")
+
+
+def instructions() -> dict[str, str]:
+    """Machine and instruction set extensions as NumPy finds them, and the environment's limits on them.
+
+    >>> sorted(instructions())[:2]
+    ['extensions', 'machine']
+    """
+    # By name, because no job computes with NumPy through this: another version of it re-runs nothing for that. No
+    # public function returns these features; NPY_DISABLE_CPU_FEATURES is respected.
+    features = importlib.import_module("numpy._core._multiarray_umath").__cpu_features__
+    found = " ".join(sorted(name for name, there in features.items() if there))
+    limits = {name: os.environ[name] for name in LIMITS if os.environ.get(name)}
+    return {"machine": platform.machine(), "extensions": found, **limits}

@@ -1,0 +1,152 @@
+"""adopt: carry a clone from one engine to the other, after making sure that what is there is what should be."""
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.lineage.check import differences
+
+HELP = (
+    "Let the other engine take over what one engine made, so that it makes nothing again. Refused where the first one "
+    "still has work to do or a file is not what its run record says: that would certify stale or altered results."
+)
+DEFAULT = Path("params.yaml")
+SHOWN = 15  # lines of an engine's answer that are repeated
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this command."""
+    parser.add_argument(
+        "--from", dest="engine", required=True, choices=["snakemake", "dvc"], help="engine that made the results"
+    )
+
+
+def run(args: argparse.Namespace) -> None:
+    """Run the command."""
+    adopt(args.engine, args.params)
+
+
+def adopt(engine: str, params: Path = DEFAULT) -> None:
+    """Make the results of `engine` known to the other one.
+
+    Raises
+    ------
+    UsageError
+        If this is not the project's folder, or the params file says something else than the params.yaml of DVC.
+    FoggyError
+        If `engine` has work to do, a result is not as recorded, or the other engine does not take the results over.
+    """
+    absent = [name for name in ("Snakefile", "dvc.yaml", str(DEFAULT)) if not Path(name).is_file()]
+    if absent:
+        raise UsageError(f"no {', '.join(absent)} here. Run foggy adopt in the project's folder.")
+    if params != DEFAULT and read_yaml(params) != read_yaml(DEFAULT):
+        raise UsageError(
+            f"--params {params}: says something else than {DEFAULT}, the only one that DVC reads. Make them one: "
+            f"cp {params} {DEFAULT}"
+        )
+    option = [] if params == DEFAULT else ["--configfile", str(params)]
+    if engine == "snakemake":
+        _from_snakemake(option)
+    else:
+        _from_dvc(option)
+
+
+def _from_snakemake(option: list[str]) -> None:
+    waiting = _snakemake_waits(option)
+    if waiting:
+        raise FoggyError(
+            f"Snakemake still has work to do, so what lies in results/ is not what {DEFAULT} asks for:\n{waiting}\n"
+            f"Run snakemake --cores 2{_spelt(option)} first, then this again."
+        )
+    count = _verified()
+    # -f: DVC asks about each changed stage otherwise; what it would ask is answered by the checks above.
+    _engine("dvc", "commit", "--force", "--quiet")
+    # DVC links files to its cache, which gives them new times; Snakemake would make again what is larger than 1 MB.
+    _engine("snakemake", "--touch", "--forceall", "--cores", "1", *option)
+    waiting = _dvc_waits()
+    if waiting:
+        raise FoggyError(f"DVC does not take these stages over:\n{waiting}\nRun dvc repro to see why.")
+    print(f"adopt: {count} files are what their run records say; dvc repro has nothing to do now")
+
+
+def _from_dvc(option: list[str]) -> None:
+    waiting = _dvc_waits()
+    if waiting:
+        raise FoggyError(
+            f"DVC does not call everything up to date, so what lies in results/ is not what {DEFAULT} asks for:\n"
+            f"{waiting}\nRun dvc repro (or dvc checkout, dvc pull) first, then this again."
+        )
+    count = _verified()
+    # -F: touching only what looks old would leave records without params, and later changes of them unseen.
+    _engine("snakemake", "--touch", "--forceall", "--cores", "1", *option)
+    waiting = _snakemake_waits(option)
+    if waiting:
+        raise FoggyError(f"Snakemake does not take these over:\n{waiting}\nRun snakemake -n to see why.")
+    print(f"adopt: {count} files are what their run records say; snakemake{_spelt(option)} has nothing to do now")
+
+
+def _verified() -> int:
+    problems, count = differences(Path("results"))
+    if problems:
+        raise FoggyError(
+            "\n".join(
+                [
+                    f"{len(problems)} of {count} files are not what their run records say, and are not certified:",
+                    *problems[:SHOWN],
+                    *([f"and {len(problems) - SHOWN} more: foggy verify"] if len(problems) > SHOWN else []),
+                    "Delete them and run the engine that made them; it makes what is missing.",
+                ]
+            )
+        )
+    return count
+
+
+def _snakemake_waits(option: list[str]) -> str:
+    """Counts of the jobs that Snakemake would run; empty where there are none."""
+    told = _engine("snakemake", "--dry-run", "--cores", "1", *option)
+    if "Nothing to be done" in told:
+        return ""
+    jobs = re.search(r"^Job stats:\n(.*?)(?:\n\n|\Z)", told, re.MULTILINE | re.DOTALL)
+    return _shortened(jobs[1] if jobs else told)
+
+
+def _dvc_waits() -> str:
+    """Stages that DVC does not call up to date, with what changed; empty where there are none."""
+    told = _engine("dvc", "status", "--json")
+    stages = json.loads(told[told.index("{") :])
+    return _shortened("\n".join(f"{name}: {_in_words(changes)}" for name, changes in sorted(stages.items())))
+
+
+def _in_words(changes: list) -> str:
+    found = []
+    for change in changes:
+        if isinstance(change, str):
+            found.append(change)
+            continue
+        for kind, files in change.items():
+            found += [f"{name} {word}" for name, word in files.items()] if isinstance(files, dict) else [kind]
+    return ", ".join(found)
+
+
+def _engine(module: str, *arguments: str) -> str:
+    """What an engine of this environment prints; FoggyError with the end of its message where it fails."""
+    call = [sys.executable, "-m", module, *arguments]
+    result = subprocess.run(call, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        lines = (result.stdout + result.stderr).strip().splitlines()[-SHOWN:]
+        raise FoggyError("\n".join([f"{module} {' '.join(arguments)} failed:", *lines]))
+    return result.stdout if "--json" in arguments else result.stdout + result.stderr
+
+
+def _shortened(text: str) -> str:
+    lines = text.splitlines()
+    return "\n".join(lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more"])
+
+
+def _spelt(option: list[str]) -> str:
+    return "".join(f" {word}" for word in option)

@@ -1,0 +1,83 @@
+"""What a job reads of the params is told to Snakemake, to DVC and in its run record: the same each time."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from foggy_synscapes.io.runs import read_runs
+from foggy_synscapes.params import Params
+from foggy_synscapes.recorded import leaves, select
+
+pytestmark = pytest.mark.xdist_group("chain")
+
+
+def stated(values: Any) -> Any:
+    """Leaves without null: a params file may leave out what is null, pydantic fills it in."""
+    if isinstance(values, list):
+        return [stated(value) for value in values]
+    if isinstance(values, dict):
+        return {key: stated(value) for key, value in leaves(values) if value is not None}
+    return values
+
+
+def recorded(folder: Path) -> dict[str, dict]:
+    """Params in the run records, by command."""
+    return {" ".join(record["command"]): stated(record["params"]) for record in read_runs(folder).values()}
+
+
+def declared_to_snakemake(folder: Path) -> dict[str, dict]:
+    """Params of the jobs that Snakemake ran, as it keeps them to see changes, by command."""
+    found = {}
+    for path in (folder / ".snakemake/metadata").rglob("*"):
+        if path.is_file():
+            job = json.loads(path.read_text())
+            command = job["shellcmd"].partition(" > ")[0].removesuffix(" --params params/smoke.yaml")
+            values = [json.loads(text[1:-1]) for text in job["params"] if text.startswith("'{")]
+            (reads,) = [value for value in values if value.keys() <= Params.model_fields.keys()]
+            found[command] = stated(reads)
+    return found
+
+
+def declared_to_dvc(folder: Path) -> dict[str, dict]:
+    """Params of the stages that DVC ran, as it locked them, by command."""
+    stages = yaml.safe_load((folder / "dvc.lock").read_text())["stages"]
+    found = {}
+    for stage in stages.values():
+        found[stage["cmd"]] = nested(stage["params"]["params.yaml"])
+    return found
+
+
+def nested(values: dict[str, Any]) -> dict[str, Any]:
+    """Values by dotted key, as the params file nests them."""
+    tree: dict[str, Any] = {}
+    for key, value in values.items():
+        *outer, last = key.split(".")
+        inner = tree
+        for part in outer:
+            inner = inner.setdefault(part, {})
+        inner[last] = value
+    return tree
+
+
+def test_params_are_the_same_in_each_record_and_for_both_engines(snakemake: Path, dvc: Path) -> None:
+    records, ours, theirs = recorded(snakemake / "results"), declared_to_snakemake(snakemake), declared_to_dvc(dvc)
+    assert len(records) > 50
+    assert records.keys() == ours.keys() == theirs.keys()
+    for command, params in records.items():
+        assert params, command
+        assert ours[command] == params, f"Snakefile: {command}"
+        same = stated(select(theirs[command], *params))
+        assert same == params, f"dvc.yaml: {command}"
+
+
+def test_dvc_is_told_more_than_a_job_reads_only_where_it_cannot_be_told_less(snakemake: Path, dvc: Path) -> None:
+    more: dict[str, set[str]] = {}
+    for command, params in recorded(snakemake / "results").items():
+        keys = {key for key in stated(declared_to_dvc(dvc)[command]) if key not in params}
+        more.setdefault(command.split()[1], set()).update(key.rpartition(".")[0] or key for key in keys)
+    # dvc.yaml cannot choose params by the item of a list, nor a part of the entries of a list.
+    assert {word for word, keys in more.items() if keys} == {"scenes", "figures"}
+    assert more["figures"] == {"tables"}
