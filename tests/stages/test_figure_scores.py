@@ -61,7 +61,7 @@ def filtered(values: list[float], kept: list[int]) -> bytes:
     """Draw the figure of frames with these values of sky contrast."""
     rows = [(n, *each) for n, each in enumerate(zip(values, kept, strict=True), start=1)]
     write_csv("results/filter/frames.csv", ("id", "sky_contrast", "kept"), rows)
-        vouch()
+    vouch()
     assert main(["figures", "--figure", "sky_contrast"]) == 0
     return Path("results/figures/sky_contrast.png").read_bytes()
 
