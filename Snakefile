@@ -121,7 +121,7 @@ wildcard_constraints:
 TABLES = expand(
     "results/tables/{test_set}.{ending}",
     test_set=PARAMS.evaluate.test_sets,
-    ending=["csv", "tex", "md", "html"],
+    ending=["csv", "tex", "md", "html", "json"],
 )
 FIGURES = expand(
     "results/figures/{figure}.png",

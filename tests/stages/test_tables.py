@@ -83,10 +83,12 @@ def test_writes_csv_latex_markdown_html_and_a_record(document):
     assert "24,500 → 600 here" in page
     assert page.count("<table>") == latex.count(r"\begin{tabular}") == 3
     assert page.count("<b>") == markdown.count("**") / 2
+    means = json.loads(Path("results/tables/foggy_zurich.json").read_text())
+    assert means == {"BiSeNet": {"C": scores["mean_iou"]["annotated"]}}
     record = json.loads(Path("results/tables/foggy_zurich.run.json").read_text())
     assert list(record["inputs"]) == ["results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json"]
     assert sorted(record["outputs"]) == [
-        f"results/tables/foggy_zurich.{ending}" for ending in ("csv", "html", "md", "tex")
+        f"results/tables/foggy_zurich.{ending}" for ending in ("csv", "html", "json", "md", "tex")
     ]
 
 

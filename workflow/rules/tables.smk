@@ -13,6 +13,7 @@ rule tables:
             category="1. Tables",
             labels={"test set": "{test_set}"},
         ),
+        "results/tables/{test_set}.json",
         "results/tables/{test_set}.run.json",
     log:
         "results/logs/tables/{test_set}.log",

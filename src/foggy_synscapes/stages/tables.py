@@ -1,6 +1,7 @@
 """tables: the mIoU tables of the runs made here, and those of the paper from their published numbers."""
 
 import argparse
+import json
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from foggy_synscapes.published import TEST_SETS as PUBLISHED
 from foggy_synscapes.published import load as load_published
 from foggy_synscapes.recorded import recorded
 from foggy_synscapes.tabling import html, latex, markdown
-from foggy_synscapes.tabling.ours import TITLES, grids, long_columns
+from foggy_synscapes.tabling.ours import TITLES, grids, long_columns, means
 from foggy_synscapes.tabling.paper import published_columns, published_grid
 from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
 
@@ -57,7 +58,7 @@ def published(out: Path) -> None:
 
 
 def tables(params: Params, test_set: str) -> None:
-    """Write results/tables/TEST_SET.csv, .tex, .md and .html from the metrics of all runs that exist.
+    """Write results/tables/TEST_SET.csv, .tex, .md, .html and .json from the metrics of all runs that exist.
 
     Raises
     ------
@@ -84,12 +85,13 @@ def tables(params: Params, test_set: str) -> None:
                     documents.append(document)
                     _same_labels(documents, path)
     results = collect(networks, labels, runs, load_published(test_set))
-    outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md", "html")]
+    outputs = [FOLDER / f"{test_set}.{ending}" for ending in ("csv", "tex", "md", "html", "json")]
     made = grids(test_set, results, annotated_classes(documents), seeds, params.stand_in)
     write_csv(outputs[0], *long_columns(test_set, results, seeds))
     write_text(outputs[1], latex.document(made, f"Made by foggy tables --test-set {test_set}."))
     write_text(outputs[2], "\n".join(markdown.table(grid) for grid in made))
     write_text(outputs[3], html.document(made, TITLES[test_set]))
+    write_text(outputs[4], json.dumps(means(results), indent=1) + "\n")
     write_run(
         FOLDER / f"{test_set}.run.json",
         command=["foggy", "tables", "--test-set", test_set],

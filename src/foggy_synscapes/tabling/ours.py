@@ -76,6 +76,16 @@ def long_columns(test_set: str, results: list[Result], seeds: Sequence[str]) -> 
     return columns, table
 
 
+def means(results: list[Result]) -> dict[str, dict[str, float]]:
+    """Mean IoU over the annotated classes by network and row, where it was run: what `dvc metrics` compares."""
+    found: dict[str, dict[str, float]] = {}
+    for result in results:
+        mean = result.scores[ANNOTATED].mean
+        if mean is not None:
+            found.setdefault(result.network, {})[result.label.row] = mean
+    return found
+
+
 def _number(value: float | None) -> str:
     return DASH if value is None else repr(value)
 
