@@ -23,6 +23,7 @@ PIPELINE = {
 }
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
+    "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",

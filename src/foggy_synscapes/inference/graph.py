@@ -1,0 +1,68 @@
+"""A network with everything around it, as one module: 8-bit images in, logits and classes of the same size out."""
+
+import copy
+from fractions import Fraction
+
+import torch
+import torch.nn.functional as functional
+from torch import Tensor, nn
+
+from foggy_synscapes.networks.network import padded, resize
+from foggy_synscapes.networks.weights import Model
+
+
+class Graph(nn.Module):
+    """Normalisation, resizing to a scale, padding, the network, and resizing back.
+
+    scale : of the sides of the image at which the network works. At 1 the logits are those of `Model.logits`
+    """
+
+    def __init__(self, model: Model, scale: float = 1.0) -> None:
+        super().__init__()
+        if not 0 < scale <= 1:
+            raise ValueError(f"scale: {scale}, expected above 0 and at most 1")
+        self.network, self.preprocessing = model.network.eval(), model.preprocessing
+        self.scale = Fraction(str(scale))
+
+    def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
+        """images : uint8 (B, H, W, 3), RGB -> logits float32 (B, classes, H, W), trainIds uint8 (B, H, W)."""
+        height, width = images.shape[1:3]
+        part, whole = self.scale.numerator, self.scale.denominator
+        inputs = self.preprocessing.apply(images.permute(0, 3, 1, 2))
+        if part != whole:
+            # Rounded up, so that what is enlarged covers the image. (ONNX divides towards zero: nothing negative.)
+            size = tuple((side * part + whole - 1) // whole for side in (height, width))
+            inputs = functional.interpolate(inputs, size=size, mode="bilinear", align_corners=False)
+        inputs = padded(inputs).contiguous(memory_format=torch.channels_last)
+        enlarged = (inputs.shape[-2] * whole // part, inputs.shape[-1] * whole // part)
+        logits = resize(self.network.outputs(inputs)[0], enlarged, self.network.corners)
+        classes = logits.argmax(dim=1).to(torch.uint8)
+        return logits[..., :height, :width].float(), classes[:, :height, :width]
+
+
+class PairedStem(nn.Module):
+    """A 7x7 convolution of stride 2 as a 4x4 convolution on blocks of 2x2 pixels: equal but for the order of sums.
+
+    Gathering 12 values at 16 places is quicker than 3 values at 49: in 8 bits it halves the time of the layer.
+    """
+
+    def __init__(self, convolution: nn.Conv2d) -> None:
+        super().__init__()
+        weights = functional.pad(convolution.weight.detach(), (1, 0, 1, 0))  # 8x8, so that pairs of pixels fit
+        outputs, inputs = weights.shape[:2]
+        blocks = weights.view(outputs, inputs, 4, 2, 4, 2).permute(0, 1, 3, 5, 2, 4)
+        self.register_buffer("weight", blocks.reshape(outputs, inputs * 4, 4, 4).contiguous())
+
+    def forward(self, x: Tensor) -> Tensor:
+        """x (B, 3, H, W), H and W even -> (B, C, H / 2, W / 2)."""
+        return functional.conv2d(functional.pad(functional.pixel_unshuffle(x, 2), (2, 1, 2, 1)), self.weight)
+
+
+def with_paired_stems(model: Model) -> Model:
+    """A copy of a model whose 7x7 convolutions on images are `PairedStem`s."""
+    network = copy.deepcopy(model.network)
+    for parent in list(network.modules()):
+        for name, layer in parent.named_children():
+            if isinstance(layer, nn.Conv2d) and layer.kernel_size == (7, 7) and layer.stride == (2, 2):
+                setattr(parent, name, PairedStem(layer))
+    return Model(network, model.preprocessing)
