@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from foggy_synscapes.datasets.uris import Reader
+from foggy_synscapes.datasets.listed import Composite
+from foggy_synscapes.datasets.uris import RECIPE, Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_rgb
 from foggy_synscapes.io.tables import read_csv
@@ -12,8 +13,10 @@ from foggy_synscapes.io.tables import read_csv
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes")  # that training lists name images of
 
 
-def calibration_images(path: Path, reader: Reader, count: int) -> list[np.ndarray]:
+def calibration_images(path: Path, reader: Reader, count: int, composite: Composite) -> list[np.ndarray]:
     """So many images of a list of `subset`, spread evenly over it, or all where it has fewer; uint8 (H, W, 3).
+
+    composite : makes the images of which the list names recipes
 
     Raises FoggyError if the list is empty or cannot be read, or an image is missing, damaged or not as listed.
     """
@@ -22,4 +25,9 @@ def calibration_images(path: Path, reader: Reader, count: int) -> list[np.ndarra
         raise FoggyError(f"{path}: lists no image")
     count = min(count, len(rows))
     chosen = [rows[number * len(rows) // count] for number in range(count)]
-    return [read_rgb(reader.read(row["image"], row["image_sha256"]), row["image"]) for row in chosen]
+    images = []
+    for row in chosen:
+        data = reader.read(row["image"], row["image_sha256"])
+        made = row["image"].endswith(RECIPE)
+        images.append(composite(data, reader.read, row["image"]) if made else read_rgb(data, row["image"]))
+    return images

@@ -9,6 +9,7 @@ import numpy as np
 from foggy_synscapes.datasets.calibration import DATASETS, calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.fogging.recipes import composite
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.params import load, root
 
@@ -77,7 +78,8 @@ def run(args: argparse.Namespace) -> None:
         if chosen is None:
             raise UsageError("--int8 with --model: name the images to calibrate on by --calibrate LIST")
         params = load(args.params)
-        images = calibration_images(chosen, Reader({name: root(params, name) for name in DATASETS}), args.images)
+        reader = Reader({name: root(params, name) for name in DATASETS})
+        images = calibration_images(chosen, reader, args.images, composite)
     export(source, args.out, args.output, args.scale, images)
 
 
