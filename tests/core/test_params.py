@@ -28,7 +28,7 @@ def set_in(document: dict, key: str, value: object) -> dict:
     return changed
 
 
-@pytest.mark.parametrize("name", ["params.yaml", "params/smoke.yaml", "params/paper.yaml"])
+@pytest.mark.parametrize("name", ["params.yaml", "params/smoke.yaml", "params/paper.yaml", "params/discussion.yaml"])
 def test_each_shipped_file_is_good(name: str) -> None:
     params.load(ROOT / name)
 
