@@ -23,6 +23,9 @@ def recorded(params: Params, *keys: str) -> dict[str, Any]:
     for network in ("refinenet", "bisenet"):
         if values["train"][network]["weights"] != NO_WEIGHTS:
             values["train"][network]["weights"] = IMPORTED
+    for row in filter(None, values["train"]["rows"].values()):
+        for start in row["start"].values():
+            start["weights"] = IMPORTED if start["weights"] != NO_WEIGHTS else NO_WEIGHTS
     return select(values, *keys)
 
 

@@ -34,13 +34,6 @@ class Duration(Section):
         return self.iterations if self.iterations is not None else self.epochs * -(-images // batch)
 
 
-class RowLength(Section):
-    """How long a row trains and how often it is validated."""
-
-    length: Duration
-    validate_: Annotated[Duration, Field(alias="validate")]
-
-
 class Policy(Section):
     """How a network is trained."""
 
@@ -55,6 +48,7 @@ class Policy(Section):
     crop: tuple[Count, Count]
     scale: tuple[Annotated[FiniteFloat, Field(gt=0)], Annotated[FiniteFloat, Field(gt=0)]]
     flip: bool
+    class_balance: bool
     loss: Literal["cross_entropy", "ohem"]
     ohem_threshold: Annotated[FiniteFloat, Field(gt=0, lt=1)]
     ohem_kept: Annotated[FiniteFloat, Field(ge=0, le=1)]
@@ -78,6 +72,21 @@ class BaselinePolicy(Policy):
 
     length: Duration
     validate_: Annotated[Duration, Field(alias="validate")]
+
+
+class Start(Section):
+    """What a network starts from in one row, and how it is trained there: by its baseline's policy unless told."""
+
+    weights: str
+    policy: Policy | None = None
+
+
+class Row(Section):
+    """How long a row trains, how often it is validated and, where it starts from weights, from which."""
+
+    length: Duration
+    validate_: Annotated[Duration, Field(alias="validate")]
+    start: dict[Network, Start] = {}
 
 
 class NetworkSettings(Section):
@@ -104,22 +113,54 @@ class Train(Section):
     workers: Annotated[int, Field(ge=0)]
     cache: Annotated[int, Field(ge=0)]
     device: Literal["cpu", "cuda"]
-    precision: Literal["float32", "bfloat16"]
-    memory_format: Literal["channels_last", "contiguous"]
+    precision: Literal["float32", "bfloat16", "measured"]
+    memory_format: Literal["channels_last", "contiguous", "measured"]
+    compile: bool
     curve: Count
+    live: list[Literal["dvclive", "tensorboard"]]
     snapshot: Count
     seeds: Annotated[list[SeedName], Field(min_length=1)]
     networks: Annotated[list[Network], Field(min_length=1)]
     from_weights: list[RowName]
     from_baseline: list[RowName]
-    rows: dict[RowName, RowLength]
+    rows: dict[RowName, Row | None]
     refinenet: NetworkSettings
     bisenet: NetworkSettings
 
     @model_validator(mode="after")
     def _rows_are_complete(self) -> "Train":
-        if set(self.rows) != set(self.from_baseline):
-            raise ValueError(f"rows: has {sorted(self.rows)}, but from_baseline has {sorted(self.from_baseline)}")
+        trained = {*self.from_weights, *self.from_baseline}
+        if set(self.rows) != trained:
+            raise ValueError(
+                f"rows: has {sorted(self.rows)}, but from_weights and from_baseline have {sorted(trained)}; a row in "
+                "from_weights that is trained as long as the baseline of each network says is null"
+            )
+        for name, row in self.rows.items():
+            if name in self.from_baseline and (row is None or row.start):
+                raise ValueError(f"rows.{name}: starts from the baseline; give its length and validate, and no start")
+            for network in self.networks if row is not None and name in self.from_weights else []:
+                if self.policy(network, name) is None:
+                    raise ValueError(
+                        f"rows.{name}.start.{network}.policy: missing; train.{network}.baseline, which would stand for "
+                        "it, is null"
+                    )
         if self.from_baseline and "C" not in self.from_weights:
             raise ValueError("from_weights: row C is missing, from which the rows in from_baseline start")
         return self
+
+    def policy(self, network: Network, row: RowName) -> Policy | None:
+        """How a network is trained in a row; None where its weights are the row's model as they are."""
+        settings: NetworkSettings = getattr(self, network)
+        if row in self.from_baseline:
+            return settings.fine_tuning
+        start = self._start(network, row)
+        return start.policy if start is not None and start.policy is not None else settings.baseline
+
+    def weights(self, network: Network, row: RowName) -> str:
+        """File that a row in `from_weights` starts from, or none."""
+        start = self._start(network, row)
+        return start.weights if start is not None else getattr(self, network).weights
+
+    def _start(self, network: Network, row: RowName) -> Start | None:
+        entry = self.rows[row]
+        return entry.start.get(network) if entry is not None else None

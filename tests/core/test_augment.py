@@ -73,3 +73,45 @@ def test_sizes_that_differ_are_refused():
     image, labels = coded()
     with pytest.raises(ValueError, match="labels"):
         augment(image, labels[1:], (8, 8), (1.0, 1.0), False, generator(0, "augment", 0, 0))
+
+
+def rare(size=(60, 80)):
+    """A map of one class, with a square of a second class that one place in a hundred has, and a pixel unlabelled."""
+    labels = np.zeros(size, np.uint8)
+    labels[50:56, 70:78] = 18
+    labels[0, 0] = 255
+    return np.repeat(labels[..., None], 3, axis=2), labels
+
+
+@pytest.mark.parametrize(("balanced", "least", "most"), [(False, 0, 40), (True, 80, 130)])
+def test_balanced_crops_hold_a_rare_class_half_of_the_time(balanced, least, most):
+    image, labels = rare()
+    held = 0
+    for step in range(200):
+        random = generator(0, "augment", step, 0)
+        cut, cut_labels = augment(image, labels, (10, 10), (1.0, 1.0), True, random, balanced)
+        assert np.array_equal(cut[..., 0], cut_labels)
+        held += bool((cut_labels == 18).any())
+    assert least <= held <= most
+
+
+def test_balanced_crops_have_the_drawn_pixel_in_their_middle_where_the_image_allows_it():
+    labels = np.full((40, 60), 255, np.uint8)
+    labels[20, 31] = 5
+    labels[0, 59] = 5
+    found = set()
+    for step in range(40):
+        random = generator(0, "augment", step, 0)
+        _, cut = augment(np.zeros((40, 60, 3), np.uint8), labels, (10, 10), (1.0, 1.0), False, random, True)
+        found |= {tuple(place) for place in np.argwhere(cut == 5).tolist()}
+    assert found == {(5, 5), (0, 9)}
+
+
+def test_balance_leaves_a_map_without_labels_as_it_would_be():
+    image, _ = coded()
+    labels = np.full(image.shape[:2], 255, np.uint8)
+    found = []
+    for balanced in (False, True):
+        random = generator(0, "augment", 1, 0)
+        found.append(augment(image, labels, (16, 16), (0.7, 1.3), True, random, balanced)[0])
+    assert np.array_equal(*found)

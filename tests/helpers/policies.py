@@ -14,6 +14,7 @@ POLICY = Policy(
     crop=(32, 32),
     scale=(0.75, 1.5),
     flip=True,
+    class_balance=False,
     loss="ohem",
     ohem_threshold=0.7,
     ohem_kept=0.0625,

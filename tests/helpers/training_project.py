@@ -10,6 +10,7 @@ from records import vouch
 from foggy_synscapes.cli import main
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.images import encode_png
+from foggy_synscapes.stages import train as stage
 
 ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = ("image", "image_sha256", "label", "label_sha256")
@@ -61,8 +62,8 @@ def project_in(tmp_path, monkeypatch):
         for policy in (network["baseline"], network["fine_tuning"]):
             policy |= {"batch": 2, "crop": [32, 32]}
 
-    def change(path=(), value=None):
-        inner = train
+    def change(path=(), value=None, section="train"):
+        inner = document[section]
         for key in path[:-1]:
             inner = inner[key]
         if path:
@@ -82,3 +83,20 @@ def train(network="bisenet", row="C", seed="0"):
 def hashes(network="bisenet", row="C", seed="0"):
     folder = Path("results/train") / network / row / f"seed-{seed}"
     return {path.name: sha256(path) for path in sorted(folder.iterdir())}
+
+
+def interrupt(monkeypatch, step):
+    """Let a training end like one that was killed, when it saves its snapshot after a step."""
+    saved = []
+
+    def write(path, data):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        Path(path).write_bytes(data)
+        saved.append(path)
+        if len(saved) == step:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stage, "write_bytes", write)
+        assert train() == 1
+    assert list(hashes()) == ["snapshot.safetensors"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fog_frames import CAMERA, write_frame
 from records import vouch
-from training_project import frame, hashes, project_in, train, write_list, write_lists
+from training_project import frame, hashes, interrupt, project_in, train, write_list, write_lists
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import synscapes, uris
@@ -48,25 +48,6 @@ def test_training_again_gives_the_same_bytes_and_another_seed_others(project):
     assert hashes() == first
     assert train(seed="1") == 0
     assert hashes(seed="1")["model.safetensors"] != first["model.safetensors"]
-
-
-def interrupt(monkeypatch, step):
-    """Let a training end like one that was killed, when it saves its snapshot after a step."""
-    from foggy_synscapes.stages import train as stage
-
-    saved = []
-
-    def write(path, data):
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_bytes(data)
-        saved.append(path)
-        if len(saved) == step:
-            raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(stage, "write_bytes", write)
-        assert train() == 1
-    assert list(hashes()) == ["snapshot.safetensors"]
 
 
 @pytest.mark.parametrize("step", [1, 2])

@@ -6,8 +6,8 @@ def train_reads(network, row):
         else ["baseline", "weights"]
     )
     keys = [f"{network}.{key}" for key in ["backbone", "width", "decoder", *own]]
-    keys += ["threads", "device", "precision", "memory_format", "curve"]
-    keys += [f"rows.{row}"] if row in PARAMS.train.from_baseline else []
+    keys += ["threads", "device", "precision", "memory_format", "compile", "curve"]
+    keys += [f"rows.{row}"]
     datasets = ["synscapes", "cityscapes", "foggy_cityscapes"]
     return [f"train.{key}" for key in keys] + [
         f"scenes.roots.{name}" for name in datasets
@@ -21,7 +21,7 @@ def start_weights(network, row):
     """
     if row in PARAMS.train.from_baseline:
         return [f"results/train/{network}/C/seed-{{seed}}/model.safetensors"]
-    weights = getattr(PARAMS.train, network).weights
+    weights = PARAMS.train.weights(network, row)
     return [weights] if os.path.isfile(weights) else []
 
 

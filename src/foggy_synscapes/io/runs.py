@@ -30,12 +30,13 @@ def write_run(
     inputs: Mapping[str, str],
     outputs: Iterable[str | Path],
     processes: int = 1,
+    measured: Mapping[str, str] | None = None,
 ) -> None:
     """Write the record of one step; `command` starts with `foggy` and the step's word.
 
     `params` holds the values that the step read, without folders of the machine. `inputs` are SHA-256 by file, from
     `checked_inputs`; `outputs` are files. Both are named relative to the working directory. `processes` shared
-    the arithmetic.
+    the arithmetic; `measured` is what the step chose by measuring, where its params say so.
     """
     word = command[1]
     record = {
@@ -48,6 +49,8 @@ def write_run(
         "instructions": instructions(),
         "processes": processes,
     }
+    if measured:
+        record["measured"] = dict(measured)
     write_text(path, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
 
 

@@ -2,7 +2,8 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.live import Live
 from foggy_synscapes.io.runs import checked_inputs, versions, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load, root
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from foggy_synscapes.networks.weights import Model
+    from foggy_synscapes.training.forward import Arithmetic
+    from foggy_synscapes.training.policy import Policy
     from foggy_synscapes.training.ranks import Ranks
 
 HELP = "Train a network on a row's list, from its own weights or from the baseline; goes on where it was interrupted."
@@ -33,6 +37,7 @@ LISTS = Path("results/subset")
 BASELINE = "C"
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes")
 NO_WEIGHTS = "none"
+MEASURED = "measured"
 LAUNCHED = ("RANK", "WORLD_SIZE", "LOCAL_RANK", "MASTER_ADDR", "MASTER_PORT")
 """What torchrun tells the processes that it starts."""
 
@@ -80,24 +85,23 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     _set_threads(params.train.threads)
     from foggy_synscapes.networks.weights import dump
     from foggy_synscapes.training import loop
-    from foggy_synscapes.training.forward import Arithmetic
     from foggy_synscapes.training.policy import Policy
     from foggy_synscapes.training.ranks import ALONE
-    from foggy_synscapes.training.snapshots import SnapshotError
 
     ranks = ranks or ALONE
     settings: NetworkSettings = getattr(params.train, network)
-    fine_tuned = row in params.train.from_baseline
-    if not fine_tuned and settings.baseline is None:
+    chosen = params.train.policy(network, row)
+    if chosen is None:
         if ranks.first:
             _take_weights(params, settings, network, row, seed)
         return
-    chosen = settings.fine_tuning if fine_tuned else settings.baseline
     policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
-    schedule = params.train.rows[row] if fine_tuned else settings.baseline
+    schedule = params.train.rows[row] or settings.baseline
     folder = FOLDER / network / row / f"seed-{seed}"
     lists = {name: LISTS / row / f"{name}.csv" for name in ("train", "validation")}
-    start = FOLDER / network / BASELINE / f"seed-{seed}" / "model.safetensors" if fine_tuned else settings.weights
+    start = params.train.weights(network, row)
+    if row in params.train.from_baseline:
+        start = FOLDER / network / BASELINE / f"seed-{seed}" / "model.safetensors"
 
     model = _start(settings, network, start, int(seed))
     inputs = checked_inputs([*lists.values(), *([start] if start != NO_WEIGHTS else [])])
@@ -105,62 +109,49 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     training = Listed(lists["train"], reader, budget, _composite)
     # Only the first process validates.
     validation = Listed(lists["validation"], reader, budget - training.held, _composite) if ranks.first else None
-    record = _record(params, network, row, fine_tuned)
-    # Code and libraries too: weights must not come half from one version of the loss and half from another.
-    made_by = {"code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")}}
-    made_by["versions"] = versions("train")
-    identity = {
-        **made_by,
-        "params": record,
-        "seed": seed,
-        "inputs": inputs,
-        "processes": ranks.count,
-    }
     snapshot = folder / "snapshot.safetensors"
     earlier = snapshot.read_bytes() if snapshot.exists() else None
     if earlier and ranks.first:
         print(f"train {network} {row}: going on from {snapshot}")
-    try:
+    live = Live(params.train.live if ranks.first else [], f"{network}/{row}/seed-{seed}")
+    with _explained(network, row, policy, snapshot), closing(live):
         plan = _plan(params, schedule.length, schedule.validate_, training.count, policy.batch, int(seed))
         ranks.take_device(params.train.device)
-        bar = tqdm(
-            desc=f"train {network} {row}",
-            unit="image",
-            total=plan.steps * policy.batch,
-            disable=None if ranks.first else True,
-        )
-        with bar:
+        arithmetic, measured = _arithmetic(params, model, policy, training, network, row, int(seed), earlier, ranks)
+        record = _record(params, network, row)
+        # Code and libraries too: weights must not come half from one version of the loss and half from another.
+        identity = {
+            "code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")},
+            "versions": versions("train"),
+            "params": record,
+            "seed": seed,
+            "inputs": inputs,
+            "processes": ranks.count,
+            MEASURED: measured,
+        }
+        quiet = None if ranks.first else True
+        label, total = f"train {network} {row}", plan.steps * policy.batch
+        with tqdm(desc=label, unit="image", total=total, disable=quiet) as bar:
             outcome = loop.train(
                 model.network,
                 model.preprocessing,
                 policy,
                 plan,
-                Arithmetic(params.train.device, params.train.precision, params.train.memory_format),
+                arithmetic,
                 training,
                 validation,
                 save=lambda data: write_bytes(snapshot, data),
                 settings=identity,
                 snapshot=earlier,
                 report=_reporter(bar, policy.batch),
+                record=lambda values: live.write(values[0], _named(values)),
                 ranks=ranks,
             )
-    except SnapshotError as error:
-        raise FoggyError(
-            f"{snapshot}: {error}. Restore what the training began with to go on, or delete the file to begin anew."
-        ) from error
-    except ValueError as error:
-        raise FoggyError(f"{network} {row}: {error}") from error
-    except RuntimeError as error:
-        if "memory" not in str(error):
-            raise
-        raise FoggyError(
-            f"{network} {row}: not enough memory for batches of {policy.batch} crops of {policy.crop[0]} x "
-            f"{policy.crop[1]} pixels. Raise train.{network}.*.accumulate, or lower batch or crop."
-        ) from error
     if not ranks.first:
         return
     model.network.load_state_dict(outcome.best)
-    _finish(network, row, seed, dump(model.network, model.preprocessing), outcome.curve, record, inputs, ranks.count)
+    weights = dump(model.network, model.preprocessing)
+    _finish(network, row, seed, weights, outcome.curve, record, inputs, ranks.count, measured)
     snapshot.unlink(missing_ok=True)
     print(
         f"train {network} {row}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} "
@@ -168,15 +159,79 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     )
 
 
+@contextmanager
+def _explained(network: str, row: str, policy: "Policy", snapshot: Path) -> Iterator[None]:
+    """Say of an error what to do about it."""
+    from foggy_synscapes.training.snapshots import SnapshotError
+
+    try:
+        yield
+    except SnapshotError as error:
+        raise FoggyError(
+            f"{snapshot}: {error}. Restore what the training began with to go on, or delete the file to begin anew."
+        ) from error
+    except ValueError as error:
+        raise FoggyError(f"{network} {row}: {error}") from error
+    except RuntimeError as error:
+        if type(error).__module__.startswith(("torch._dynamo", "torch._inductor")):
+            text = " ".join(str(error).split())[:300]
+            raise FoggyError(f"{network} {row}: torch.compile: {text} Set train.compile to false.") from error
+        if "memory" not in str(error):
+            raise
+        raise FoggyError(
+            f"{network} {row}: not enough memory for batches of {policy.batch} crops of {policy.crop[0]} x "
+            f"{policy.crop[1]} pixels. Raise train.{network}.*.accumulate, or lower batch or crop."
+        ) from error
+
+
+def _arithmetic(
+    params: Params,
+    model: "Model",
+    policy: "Policy",
+    training: Listed,
+    network: str,
+    row: str,
+    seed: int,
+    earlier: bytes | None,
+    ranks: "Ranks",
+) -> tuple["Arithmetic", dict[str, str] | None]:
+    """What to compute with; and what of it was measured, now or before an interruption, where the params ask for it."""
+    from foggy_synscapes.training import probe, snapshots
+    from foggy_synscapes.training.forward import Arithmetic
+
+    asked = params.train
+    if MEASURED not in (asked.precision, asked.memory_format):
+        return Arithmetic(asked.device, asked.precision, asked.memory_format, asked.compile), None
+    kept = snapshots.settings_of(earlier).get(MEASURED) if earlier else None
+    ranks.agree(str(kept))
+    if kept is None:
+        precisions = ("float32", "bfloat16") if asked.precision == MEASURED else (asked.precision,)
+        formats = ("channels_last", "contiguous") if asked.memory_format == MEASURED else (asked.memory_format,)
+        candidates = [Arithmetic(asked.device, each, layout) for each in precisions for layout in formats]
+        chosen, told = probe.fastest(model.network, model.preprocessing, policy, candidates, training, seed, ranks)
+        kept = {"precision": chosen.precision, "memory_format": chosen.memory_format}
+    else:
+        told = f"keeps what was measured when it began: {kept['precision']} {kept['memory_format']}"
+    if ranks.first:
+        print(f"train {network} {row}: {told}", flush=True)
+    return Arithmetic(asked.device, **kept, compile=asked.compile), kept
+
+
+def _named(values: list[float | int | None]) -> dict[str, float]:
+    """A row of the curve by the names under which people look for it; without what was not taken."""
+    names = ("epoch", "learning_rate", "train/loss", "validation/loss", "validation/miou")
+    return {name: value for name, value in zip(names, values[1:], strict=True) if value is not None}
+
+
 def _take_weights(params: Params, settings: NetworkSettings, network: str, row: str, seed: str) -> None:
     """Make the start weights themselves the model of a row: a public model that needs no training here."""
     from foggy_synscapes.networks.weights import dump
 
-    model = _start(settings, network, settings.weights, int(seed), whole=True)
-    record = _record(params, network, row, fine_tuned=False)
-    inputs = checked_inputs([settings.weights])
-    _finish(network, row, seed, dump(model.network, model.preprocessing), [], record, inputs, 1)
-    print(f"train {network} {row}: the model is {settings.weights}; its params say that it is not trained")
+    weights = params.train.weights(network, row)
+    model = _start(settings, network, weights, int(seed), whole=True)
+    inputs = checked_inputs([weights])
+    _finish(network, row, seed, dump(model.network, model.preprocessing), [], _record(params, network, row), inputs)
+    print(f"train {network} {row}: the model is {weights}; its params say that it is not trained")
 
 
 def _finish(
@@ -187,7 +242,8 @@ def _finish(
     curve: list,
     record: dict[str, Any],
     inputs: dict[str, str],
-    processes: int,
+    processes: int = 1,
+    measured: dict[str, str] | None = None,
 ) -> None:
     """Write the model, its curve and the run record."""
     from foggy_synscapes.training.loop import CURVE
@@ -203,6 +259,7 @@ def _finish(
         inputs=inputs,
         outputs=outputs,
         processes=processes,
+        measured=measured,
     )
 
 
@@ -262,13 +319,12 @@ def _plan(params: Params, length: Duration, validate: Duration, images: int, bat
     )
 
 
-def _record(params: Params, network: str, row: str, fine_tuned: bool) -> dict[str, Any]:
+def _record(params: Params, network: str, row: str) -> dict[str, Any]:
     """The params that decide what this training gives: not its workers or memory."""
-    own = ["fine_tuning"] if fine_tuned else ["baseline", "weights"]
-    keys = [f"{network}.{key}" for key in ("backbone", "width", "decoder", *own)]
-    keys += [f"rows.{row}"] if fine_tuned else []
-    shared = [f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "curve", *keys)]
-    return recorded(params, *shared, *(f"scenes.roots.{dataset}" for dataset in DATASETS))
+    own = ["fine_tuning"] if row in params.train.from_baseline else ["baseline", "weights"]
+    keys = ["threads", "device", "precision", "memory_format", "compile", "curve", f"rows.{row}"]
+    keys += [f"{network}.{key}" for key in ("backbone", "width", "decoder", *own)]
+    return recorded(params, *(f"train.{key}" for key in keys), *(f"scenes.roots.{dataset}" for dataset in DATASETS))
 
 
 def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:

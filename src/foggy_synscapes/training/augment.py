@@ -15,6 +15,7 @@ def augment(
     scale: tuple[float, float],
     flip: bool,
     random: np.random.Generator,
+    class_balance: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """A random window of the image, brought to the size of the crop.
 
@@ -27,6 +28,9 @@ def augment(
     scale : smallest and largest factor of the resizing, drawn uniformly
     flip : mirror left and right in half of the cases
     random : all random choices come from it, in a fixed number and order
+    class_balance : centre the window on a pixel of a class that is drawn from the image's classes, each as likely as
+        the next, and move it only as far as it must to stay inside; otherwise it lies anywhere. Source: RefineNet's
+        released training code (crops of type "class_sample"), on which the SFSU fine-tuning is built
 
     Returns
     -------
@@ -39,7 +43,12 @@ def augment(
     corners = random.random(2)
     mirrored = random.random() < 0.5
     window = [max(1, round(side / factor)) for side in crop]
-    rows, columns = (_span(size, part, place) for size, part, place in zip(labels.shape, window, corners, strict=True))
+    centre = _balanced(labels, random) if class_balance else None
+    if centre is None:
+        spans = (_span(size, part, place) for size, part, place in zip(labels.shape, window, corners, strict=True))
+    else:
+        spans = (_around(size, part, place) for size, part, place in zip(labels.shape, window, centre, strict=True))
+    rows, columns = spans
     image, labels = _cut(image, rows, columns, FILL), _cut(labels, rows, columns, IGNORE)
     pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
     if tuple(window) != tuple(crop):
@@ -54,6 +63,25 @@ def augment(
 def _nearest(out: int, part: int) -> np.ndarray:
     """Which of `part` pixels lies under the centre of each of `out` pixels along one axis."""
     return ((np.arange(out) + 0.5) * part / out).astype(np.intp)
+
+
+def _balanced(labels: np.ndarray, random: np.random.Generator) -> tuple[int, int] | None:
+    """Row and column of a pixel: of any class alike, and of its pixels any; None where nothing is labelled."""
+    kind, place = random.random(2)
+    counts = np.bincount(labels.ravel(), minlength=IGNORE + 1)[:IGNORE]
+    classes = counts.nonzero()[0]
+    if not len(classes):
+        return None
+    drawn = classes[int(kind * len(classes))]
+    pixel = np.flatnonzero(labels == drawn)[int(place * counts[drawn])]
+    return divmod(int(pixel), labels.shape[1])
+
+
+def _around(size: int, part: int, centre: int) -> tuple[int, int]:
+    """Begin and end of a window around a pixel, as far as `_span` can place it."""
+    low, high = sorted((0, size - part))
+    begin = min(max(centre - part // 2, low), high)
+    return begin, begin + part
 
 
 def _span(size: int, part: int, place: float) -> tuple[int, int]:

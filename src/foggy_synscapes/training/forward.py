@@ -55,8 +55,10 @@ def forward(
     Returns the network's outputs (see `Network.outputs`) and targets uint8 (B, h, w) (see `losses.grid`).
     """
     inputs = padded(preprocessing.apply(images.to(arithmetic.device, non_blocking=True)))
+    # Not `outputs or ...`: a module that is a wrapper may be false.
+    compute = network.outputs if outputs is None else outputs
     with torch.autocast(arithmetic.device, torch.bfloat16, enabled=arithmetic.precision == "bfloat16"):
-        found = (outputs or network.outputs)(inputs.contiguous(memory_format=arithmetic.layout()))
+        found = compute(inputs.contiguous(memory_format=arithmetic.layout()))
     below, right = inputs.shape[-2] - labels.shape[-2], inputs.shape[-1] - labels.shape[-1]
     labels = functional.pad(labels.to(arithmetic.device, non_blocking=True), (0, right, 0, below), value=IGNORE)
     return found, grid(labels, stride, network.corners)

@@ -61,7 +61,8 @@ class Steps(Dataset):
         parts = []
         for place in self.places:
             random = generator(self.seed, "augment", step, place)
-            parts.append(augment(*self.samples.load(indices[place]), policy.crop, policy.scale, policy.flip, random))
+            sample = self.samples.load(indices[place])
+            parts.append(augment(*sample, policy.crop, policy.scale, policy.flip, random, policy.class_balance))
         return collate([image for image, _ in parts], [labels for _, labels in parts], indices)
 
 

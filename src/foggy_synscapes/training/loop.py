@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass
 
 import torch
@@ -11,14 +10,14 @@ from torch import Tensor
 
 from foggy_synscapes.networks.network import Network
 from foggy_synscapes.networks.weights import Preprocessing
-from foggy_synscapes.training import losses, snapshots
-from foggy_synscapes.training.forward import Arithmetic, NotFiniteError, forward
-from foggy_synscapes.training.loader import Batch, Samples, Steps, batches
+from foggy_synscapes.training import snapshots
+from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
+from foggy_synscapes.training.loader import Samples, Steps, batches
 from foggy_synscapes.training.order import steps_per_epoch
 from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
 from foggy_synscapes.training.ranks import ALONE, Ranks
-from foggy_synscapes.training.shared import Learner
 from foggy_synscapes.training.snapshots import Progress
+from foggy_synscapes.training.step import Learner, take_step
 from foggy_synscapes.training.streams import seed_torch
 from foggy_synscapes.training.validation import validate
 
@@ -114,7 +113,7 @@ def train(
         for group in optimiser.param_groups:
             group["lr"] = rate * group["factor"]
         seed_torch(plan.seed, "dropout", step)
-        loss = _step(network, learner, preprocessing, policy, arithmetic, optimiser, batch, ranks)
+        loss = take_step(network, learner, preprocessing, policy, arithmetic, optimiser, batch, ranks)
         if not math.isfinite(loss):
             names = ", ".join(training.name(index) for index in batch.indices)
             raise NotFiniteError(f"loss is {loss} at step {step + 1}, on {names}. Is the learning rate too high?")
@@ -137,41 +136,3 @@ def train(
             save(snapshots.dump(network, optimiser, best, progress, settings))
         report(done, loss, rate)
     return Outcome(best, progress.best_step, progress.best_loss, progress.curve)
-
-
-def _step(
-    network: Network,
-    learner: Learner,
-    preprocessing: Preprocessing,
-    policy: Policy,
-    arithmetic: Arithmetic,
-    optimiser: torch.optim.Optimizer,
-    batch: Batch,
-    ranks: Ranks,
-) -> float:
-    """One optimiser step; returns the loss, the mean over the passes into which the batch is split."""
-    optimiser.zero_grad(set_to_none=True)
-    value = 0.0
-    parts = zip(batch.images.chunk(policy.accumulate), batch.labels.chunk(policy.accumulate), strict=True)
-    for number, (images, labels) in enumerate(parts, start=1):
-        with nullcontext() if number == policy.accumulate else learner.without_exchange():
-            outputs, targets = forward(
-                network, preprocessing, arithmetic, policy.loss_stride, images, labels, learner.outputs
-            )
-            loss = losses.total(
-                outputs,
-                targets,
-                network.corners,
-                policy.loss,
-                policy.ohem_threshold,
-                policy.ohem_kept,
-                policy.auxiliary_weight,
-                ranks,
-            )
-            loss = loss / policy.accumulate
-            # Gradients are averaged over the processes, but the loss is the sum of their parts.
-            (loss * ranks.count if ranks.count > 1 else loss).backward()
-        value += float(ranks.total(loss.detach()))
-    if math.isfinite(value):
-        optimiser.step()
-    return value

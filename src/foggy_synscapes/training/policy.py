@@ -16,6 +16,7 @@ class Policy:
     weight_decay : of weights; norm_weight_decay : of batch norm's parameters and of biases
     batch : images a step; accumulate : forward passes into which they are split
     crop : rows and columns in pixels; scale : smallest and largest factor of resizing; flip : left and right
+    class_balance : cut crops around pixels of classes that are drawn alike (see `augment.augment`)
     loss : "cross_entropy", or "ohem" with ohem_threshold and ohem_kept (see `losses.hard_examples`)
     auxiliary_weight : factor of the auxiliary outputs' losses; loss_stride : pixels between those that a loss looks at
     backbone_rate, new_layer_rate : factors of the learning rate, of the backbone and of all other layers
@@ -33,6 +34,7 @@ class Policy:
     crop: tuple[int, int]
     scale: tuple[float, float]
     flip: bool
+    class_balance: bool
     loss: str
     ohem_threshold: float
     ohem_kept: float

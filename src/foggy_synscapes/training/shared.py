@@ -1,48 +1,10 @@
-"""Layers that see the whole batch while each process holds a slice of it, and the wrapper that averages gradients."""
-
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+"""Layers that see the whole batch while each process holds a slice of it."""
 
 import torch
 import torch.distributed as distributed
 from torch import Tensor, nn
-from torch.nn.parallel import DistributedDataParallel
 
-from foggy_synscapes.networks.network import Network
 from foggy_synscapes.training.ranks import Ranks
-
-
-class Outputs(nn.Module):
-    """A network whose call gives the outputs that losses are made of, for wrappers that know calls only."""
-
-    def __init__(self, network: Network) -> None:
-        super().__init__()
-        self.network = network
-
-    def forward(self, images: Tensor) -> list[Tensor]:
-        return self.network.outputs(images)
-
-
-class Learner:
-    """A network as the training loop calls it: shared by processes and compiled where that is asked for.
-
-    Sharing replaces layers of the network, so the optimiser must have been given the parameters before, which stay.
-    """
-
-    def __init__(self, network: Network, ranks: Ranks, compiled: bool) -> None:
-        self._parallel: DistributedDataParallel | None = None
-        self.outputs: Callable[[Tensor], list[Tensor]] = network.outputs
-        if ranks.count > 1:
-            share(network, ranks)
-            # Batch norm's statistics need no broadcast: every process computes the same ones.
-            self._parallel = DistributedDataParallel(Outputs(network), forward_sync_buffers=False)
-            self.outputs = self._parallel
-        if compiled:
-            self.outputs = torch.compile(self._parallel or Outputs(network))
-
-    def without_exchange(self) -> AbstractContextManager:
-        """Within it gradients stay in their process: for all passes of a step but the last."""
-        return self._parallel.no_sync() if self._parallel is not None else nullcontext()
 
 
 def share(network: nn.Module, ranks: Ranks) -> None:
