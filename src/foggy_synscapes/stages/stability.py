@@ -48,5 +48,8 @@ def stability(params: Params) -> list[Check]:
         outputs=outputs,
     )
     failed = sum(check.verdict == FAILS for check in checks)
-    print(f"stability: {len(checks)} checks, {failed} of them fail; {outputs[0]}")
+    print(
+        f"stability: {len(checks)} checks; {failed} show where a plain formula or a short number format fails; "
+        f"{outputs[0]}"
+    )
     return checks
