@@ -181,6 +181,20 @@ def test_sky_is_exactly_airlight() -> None:
     assert (foggy == np.array(LIGHT, np.uint8)).all()
 
 
+@pytest.mark.parametrize("airlight", [(0, 0, 0), (255, 255, 255)])
+def test_what_fog_hides_is_the_formula_where_the_airlight_begins_and_behind(airlight) -> None:
+    """Half a level of the whole range is left at an optical depth of ln 510 = 6.234: rows just before and behind."""
+    depth = np.linspace(6.0, 6.5, 100 * 200, dtype=np.float32).reshape(100, 200)
+    depth[::7, 64:128] = math.inf
+    image = np.where(RNG.random((100, 200, 3)) < 0.5, 0, 255).astype(np.uint8)
+    foggy = foggy_images(image, depth, straight((100, 200)), airlight, [1.0, 1.01])
+    for beta, one in zip((1.0, 1.01), foggy, strict=True):
+        np.testing.assert_array_equal(one, oracle(image, depth, straight((100, 200)), airlight, beta))
+    levels = transmittance_images(depth, straight((100, 200)), [1.0])[0]
+    np.testing.assert_array_equal(levels, oracle_transmittance(depth, straight((100, 200)), 1.0))
+    assert {0, 1} == set(np.unique(levels))
+
+
 @pytest.mark.parametrize("wrong", [-1.0, -math.inf, math.nan])
 def test_negative_or_missing_distance_is_refused(wrong: float) -> None:
     depth = np.array([[1.0, wrong]], np.float32)

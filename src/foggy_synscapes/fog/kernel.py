@@ -8,6 +8,9 @@ part floor(q / 65536). Its error against exact arithmetic is below 8 units (0.00
   - product, sum and conversion: 1.5e-5 + 0.8e-5 + 1.5e-5.
 Samples within 8 units of a step, about one in 4,000, are computed again in float64 with the published formula.
 So the result never depends on the width of the processor's vectors, and equals that of plain float64 code.
+
+What lies behind an optical depth of 6.25, such as the sky, is the airlight without any work: 255 exp(-6.25) = 0.492 is
+less than half a level, whatever the clear image shows there.
 """
 
 import math
@@ -28,6 +31,7 @@ LOWEST = F(-60)
 # 2^f on [-0.5, 0.5] as a polynomial through 7 Chebyshev nodes; relative error 2.6e-9.
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
+HIDDEN = F(-6.25 * LOG2E)
 GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
 
 
@@ -41,6 +45,27 @@ def _copy(values, out):
 def _distances(depth, row, columns, out):
     for x in range(out.size):
         out[x] = depth[x] * math.sqrt(row + columns[x])
+
+
+@compiled
+def _nearest(ranks, out):
+    """Smallest distance of each group of pixels; `ranks`, `out`: as int32, in which floats from 0 keep their order."""
+    for group in range(out.size):
+        part = ranks[group * GROUP : (group + 1) * GROUP]
+        nearest = part[0]
+        for x in range(part.size):
+            nearest = min(nearest, part[x])
+        out[group] = nearest
+
+
+@compiled
+def _span(exponent, nearest, group):
+    """Whether a group is hidden by fog, and the first group after it that is not alike."""
+    hidden = exponent * nearest[group] <= HIDDEN
+    end = group + 1
+    while end < nearest.size and (exponent * nearest[end] <= HIDDEN) == hidden:
+        end += 1
+    return hidden, end
 
 
 @compiled
@@ -106,8 +131,10 @@ class _Scratch:
         self.fog = betas, np.maximum(-betas * LOG2E, -3e38).astype(F)
         distance, rounded, t = np.empty((3, width), F)
         self.transmittance = distance, rounded, rounded.view(I), t, t.view(I)
-        flags = np.zeros((width + GROUP - 1) // GROUP * GROUP, np.uint8)
-        self.flags = flags, flags.view(np.int64)
+        groups = (width + GROUP - 1) // GROUP
+        flags = np.zeros(groups * GROUP, np.uint8)
+        nearest = np.empty(groups, F)
+        self.flags = flags, flags.view(np.int64), distance.view(I), nearest, nearest.view(I)
 
 
 def render(image, depth, rows, columns, scale, betas, airlight, foggy) -> None:
@@ -129,6 +156,7 @@ def render(image, depth, rows, columns, scale, betas, airlight, foggy) -> None:
         *scratch.fog,
         airlight,
         light,
+        np.tile(airlight, width),
         differences,
         *scratch.transmittance,
         *scratch.flags,
@@ -137,14 +165,16 @@ def render(image, depth, rows, columns, scale, betas, airlight, foggy) -> None:
 
 @compiled
 def _render(
-    image, foggy, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, differences,
-    distance, rounded, integers, t, bits, flags, words,
+    image, foggy, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, veil, differences,
+    distance, rounded, integers, t, bits, flags, words, ranks, nearest, ranked,
 ):  # fmt: skip
     width = columns.size
+    bases = light[0] + STEP, light[1] + STEP, light[2] + STEP
     red, green, blue = differences[0], differences[1], differences[2]
     for y in range(rows.size):
         clear = image[y]
         _distances(depth[y], rows32[y], columns32, distance)
+        _nearest(ranks, ranked)
         for x in range(width):
             red[x] = UNIT * F(clear[3 * x]) - light[0]
             green[x] = UNIT * F(clear[3 * x + 1]) - light[1]
@@ -154,16 +184,26 @@ def _render(
             if betas[b] == 0:  # no fog: also at infinite distance the image itself
                 _copy(clear, out)
                 continue
-            _transmittances(distance, exponents[b], rounded, integers, t, bits)
-            _composite(t, red, green, blue, (light[0] + STEP, light[1] + STEP, light[2] + STEP), out, flags)
-            for group in range(0, width, GROUP):
-                if _any(words, group // 8):
-                    for x in range(group, min(group + GROUP, width)):
-                        if flags[x]:
-                            share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
-                            for c in range(3):
-                                hidden = (1.0 - share) * (airlight[c] / 255.0)
-                                out[3 * x + c] = _level(share * (clear[3 * x + c] / 255.0) + hidden)
+            group = 0
+            while group < nearest.size:
+                hidden, end = _span(exponents[b], nearest, group)
+                first, last = group * GROUP, min(end * GROUP, width)
+                if hidden:
+                    _copy(veil[3 * first : 3 * last], out[3 * first : 3 * last])
+                    group = end
+                    continue
+                part = slice(first, last)
+                _transmittances(distance[part], exponents[b], rounded[part], integers[part], t[part], bits[part])
+                _composite(t[part], red[part], green[part], blue[part], bases, out[3 * first : 3 * last], flags[part])
+                while group < end:
+                    if _any(words, group * WORDS):
+                        for x in range(group * GROUP, min((group + 1) * GROUP, width)):
+                            if flags[x]:
+                                share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
+                                for c in range(3):
+                                    hidden_part = (1.0 - share) * (airlight[c] / 255.0)
+                                    out[3 * x + c] = _level(share * (clear[3 * x + c] / 255.0) + hidden_part)
+                    group += 1
 
 
 def render_transmittance(depth, rows, columns, scale, betas, levels) -> None:
@@ -175,24 +215,36 @@ def render_transmittance(depth, rows, columns, scale, betas, levels) -> None:
 @compiled
 def _render_transmittance(
     levels, depth, rows, columns, scale, rows32, columns32, betas, exponents,
-    distance, rounded, integers, t, bits, flags, words,
+    distance, rounded, integers, t, bits, flags, words, ranks, nearest, ranked,
 ):  # fmt: skip
     width = columns.size
     for y in range(rows.size):
         _distances(depth[y], rows32[y], columns32, distance)
+        _nearest(ranks, ranked)
         for b in range(betas.size):
             out = levels[b, y]
             if betas[b] == 0:
                 for x in range(width):
                     out[x] = 255
                 continue
-            _transmittances(distance, exponents[b], rounded, integers, t, bits)
-            _quantize(t, out, flags)
-            for group in range(0, width, GROUP):
-                if _any(words, group // 8):
-                    for x in range(group, min(group + GROUP, width)):
-                        if flags[x]:
-                            out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
+            group = 0
+            while group < nearest.size:
+                hidden, end = _span(exponents[b], nearest, group)
+                first, last = group * GROUP, min(end * GROUP, width)
+                if hidden:
+                    for x in range(first, last):
+                        out[x] = 0
+                    group = end
+                    continue
+                part = slice(first, last)
+                _transmittances(distance[part], exponents[b], rounded[part], integers[part], t[part], bits[part])
+                _quantize(t[part], out[part], flags[part])
+                while group < end:
+                    if _any(words, group * WORDS):
+                        for x in range(group * GROUP, min((group + 1) * GROUP, width)):
+                            if flags[x]:
+                                out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
+                    group += 1
 
 
 @compiled
