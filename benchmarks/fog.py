@@ -1,11 +1,12 @@
-"""How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--rounds 12] [--samples DIR]
+"""How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--rounds 12] [--samples DIR] [--png-level 0]
 
 Five foggy images of each 1440 x 720 frame, on the two real Synscapes samples where --samples (or ../shared/data) has
 them, otherwise on generated frames that decode and encode about as fast.
   codecs        decoding image and depth, encoding the five foggy images, and nothing else: the floor
   fog           the same with airlight and fog: what `foggy fog` does with a frame between its files
   naive         plain float64 NumPy, read and written by OpenImageIO with its default compression
-  images/s      of wall time once all is loaded, files written and synced, by 1 and 2 processes; needs idle processors
+  images/s      of wall time once all is loaded, files written and synced, by 1 and 2 processes; needs idle processors,
+                and cannot gain more than plain arithmetic does on them
 CPU time is this thread's; codecs and fog are measured in turn, so that both meet the same machine.
 """
 
@@ -75,19 +76,19 @@ def frames(folder: Path, count: int, samples: Path) -> Camera:
     return camera
 
 
-def codecs(folder: Path, frame: int, foggy: list[np.ndarray]) -> None:
+def codecs(folder: Path, frame: int, foggy: list[np.ndarray], level: int) -> None:
     read_rgb(folder / f"img/rgb/{frame}.png")
     read_depth(folder / f"img/depth/{frame}.exr")
     for image in foggy:
-        encode_photograph(image)
+        encode_png(image, level) if level else encode_photograph(image)
 
 
-def fog(folder: Path, frame: int, camera: Camera) -> list[bytes]:
+def fog(folder: Path, frame: int, camera: Camera, level: int) -> list[bytes]:
     paths = folder / f"img/rgb/{frame}.png", folder / f"img/depth/{frame}.exr"
     clear = render.read_clear(*paths, *map(str, paths))
     light, _ = render.airlight_of(clear.image, "keep")
     lines = render.rays_of(clear, camera, "camera", "paper")
-    return list(render.foggy_pngs(clear, lines, light, BETAS, 0))
+    return list(render.foggy_pngs(clear, lines, light, BETAS, level))
 
 
 def naive(folder: Path, frame: int, camera: Camera, out: Path) -> None:
@@ -117,15 +118,27 @@ def naive(folder: Path, frame: int, camera: Camera, out: Path) -> None:
         writer.close()
 
 
+def both_processors() -> float:
+    """How much more arithmetic two processes that share nothing do than one: what this machine has to give."""
+    work = [sys.executable, "-c", "for _ in range(6): sum(range(10_000_000))"]
+    times = []
+    for count in (1, 2):
+        started = time.perf_counter()
+        for running in [subprocess.Popen(work) for _ in range(count)]:
+            running.wait()
+        times.append(time.perf_counter() - started)
+    return 2 * times[0] / times[1]
+
+
 def cpu(call: Callable[[], object]) -> float:
     started = time.thread_time()
     call()
     return time.thread_time() - started
 
 
-def rate(folder: Path, out: Path, count: int, processes: int) -> float:
+def rate(folder: Path, out: Path, count: int, processes: int, level: int) -> float:
     """Frames per second of wall time, files written and synced, after the first WARM frames."""
-    job = alone.Job(out, BETAS, "paper", False, 0, "keep")
+    job = alone.Job(out, BETAS, "paper", False, level, "keep")
     done = alone.fog_frames(of_synscapes(folder, f"1-{count}", folder / "camera.json"), job, processes, {})
     for _ in range(WARM):
         next(done)
@@ -153,17 +166,19 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=100, help="frames of the runs of the command (default: 100)")
     parser.add_argument("--rounds", type=int, default=12, help="times that codecs and fog are measured (default: 12)")
     parser.add_argument("--samples", type=Path, default=Path("../shared/data"), help="folder of the real samples")
+    parser.add_argument("--png-level", type=int, choices=range(4), default=0, help="of `foggy fog` (default: 0)")
     args = parser.parse_args()
+    level = args.png_level
     render.keep_memory()
     with tempfile.TemporaryDirectory() as name:
         folder, out = Path(name) / "frames", Path(name) / "out"
         out.mkdir()
         camera = frames(folder, args.frames, args.samples)
-        foggy = {frame: [read_rgb(data) for data in fog(folder, frame, camera)] for frame in (1, 2)}
+        foggy = {frame: [read_rgb(data) for data in fog(folder, frame, camera, level)] for frame in (1, 2)}
         floor, ours = [], []
         for _ in range(args.rounds):
-            floor.append(sum(cpu(lambda f=frame: codecs(folder, f, foggy[f])) for frame in foggy) / 2)
-            ours.append(sum(cpu(lambda f=frame: fog(folder, f, camera)) for frame in foggy) / 2)
+            floor.append(sum(cpu(lambda f=frame: codecs(folder, f, foggy[f], level)) for frame in foggy) / 2)
+            ours.append(sum(cpu(lambda f=frame: fog(folder, f, camera, level)) for frame in foggy) / 2)
         light = estimate(read_rgb(folder / "img/rgb/1.png"))
         slow = cpu(lambda: naive(folder, 1, camera, out))
         same = all(
@@ -181,10 +196,11 @@ def main() -> None:
             slow >= OVER_NAIVE * np.median(ours),
         )
         line(f"  its pixels (airlight {light.levels})", "equal" if same else "DIFFERENT", "0 different", same)
-        one, two = (rate(folder, out / str(processes), args.frames, processes) for processes in (1, 2))
+        one, two = (rate(folder, out / str(processes), args.frames, processes, level) for processes in (1, 2))
         line("images/s with their files, 1 process", f"{5 * one:.1f}")
         line("images/s with their files, 2 processes", f"{5 * two:.1f}")
         line("  speed-up", f"{two / one:.2f}", f"at least {BY_TWO}", two >= BY_TWO * one)
+        line("  of plain arithmetic here", f"{both_processors():.2f}")
         few, many = (peak_memory(folder, out / f"m{count}", count) for count in (10, args.frames))
         line("peak memory, MB, 10 frames", f"{few:.0f}", f"under {MEMORY}", few < MEMORY)
         line(f"peak memory, MB, {args.frames} frames", f"{many:.0f}", f"under {MEMORY}", many < MEMORY)
