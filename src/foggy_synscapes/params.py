@@ -261,12 +261,26 @@ class Stability(Section):
     digits: Annotated[int, Field(ge=20, le=200)]
 
 
+Scale = Annotated[FiniteFloat, Field(gt=0, le=1)]
+
+
 class Tradeoff(Section):
     """How time is weighed against accuracy."""
 
     betas: Annotated[list[Beta], Field(min_length=1)]
     frames: Count
     repeats: Count
+    row: RowName
+    test_set: TestSet
+    scales: Annotated[list[Scale], Field(min_length=1)]
+    calibration: Count
+    steps: Count
+
+    @model_validator(mode="after")
+    def _from_full_scale(self) -> "Tradeoff":
+        if self.scales[0] != 1 or len(set(self.scales)) != len(self.scales):
+            raise ValueError(f"scales: 1.0 first, with which the others are compared, and each once; got {self.scales}")
+        return self
 
 
 class Params(Section):
@@ -318,6 +332,8 @@ class Params(Section):
         rows = set(trained)
         if rows != set(self.subset.rows()):
             raise ValueError(f"train: trains rows {sorted(rows)}, but subset lists {sorted(self.subset.rows())}")
+        if self.tradeoff.row not in rows:
+            raise ValueError(f"tradeoff.row: {self.tradeoff.row} is no row of train, which has {sorted(rows)}")
         counts = self.scenes.stand_in
         if self.scenes.roots.synscapes == STAND_IN and self.fog.frames.first + self.fog.frames.last > counts.synscapes:
             raise ValueError(f"scenes.stand_in.synscapes: {counts.synscapes} frames, fewer than fog.frames asks for")

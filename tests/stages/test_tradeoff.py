@@ -1,4 +1,4 @@
-"""tradeoff: each variant against the reference, the Pareto front, and words that follow from figures."""
+"""tradeoff of fog: each variant against the reference, the Pareto front, and words that follow from figures."""
 
 from pathlib import Path
 
@@ -15,7 +15,8 @@ from foggy_synscapes.fog.variants import Variant, variants
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, check
-from foggy_synscapes.stages.tradeoff import Score, measure, paragraph, pareto_front, tradeoff
+from foggy_synscapes.stages.tradeoff import tradeoff
+from foggy_synscapes.weighing.fog import Score, measure, paragraph, pareto_front
 
 ROOT = Path(__file__).resolve().parents[2]
 BETAS = [0.005, 0.01, 0.02, 0.03, 0.06]
@@ -105,7 +106,7 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Params:
 
 
 def test_table_plot_and_text_are_written(params: Params) -> None:
-    tradeoff(params)
+    tradeoff(params, "fog")
     rows = read_csv("results/tradeoff/fog.csv")
     assert [row["variant"] for row in rows] == [variant.name for variant in variants()]
     assert {row["cpu_ms"] for row in rows if row["variant"] == "bfloat16"} == {"--"}
@@ -113,10 +114,10 @@ def test_table_plot_and_text_are_written(params: Params) -> None:
     assert "the default is **compiled**" in Path("results/tradeoff/fog.md").read_text()
     assert Path("results/tradeoff/fog.png").read_bytes().startswith(b"\x89PNG")
     assert Path("results/tradeoff/fog.pdf").read_bytes().startswith(b"%PDF")
-    assert Path("results/tradeoff/run.json").is_file()
+    assert Path("results/tradeoff/fog.run.json").is_file()
 
 
 def test_more_frames_than_were_kept_are_refused(params: Params) -> None:
     more = params.model_copy(update={"tradeoff": params.tradeoff.model_copy(update={"frames": 3})})
     with pytest.raises(FoggyError, match=r"tradeoff\.frames: asks for 3 frames, but the filter kept 2"):
-        tradeoff(more)
+        tradeoff(more, "fog")

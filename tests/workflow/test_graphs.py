@@ -124,7 +124,7 @@ def test_steps_without_a_network_do_not_import_torch(word: str) -> None:
 
 
 def test_imports_run_downwards_only() -> None:
-    cores = ("fog", "inference", "networks", "training", "scoring", "scenes", "tabling", "plotting")
+    cores = ("fog", "inference", "networks", "training", "scoring", "scenes", "tabling", "plotting", "weighing")
     for path in sorted((ROOT / "src/foggy_synscapes").rglob("*.py")):
         room = path.relative_to(ROOT / "src/foggy_synscapes").parts[0]
         text = path.read_text(encoding="utf-8")

@@ -1,7 +1,8 @@
-"""Any rows of text as a LaTeX table that may run over several pages."""
+"""Any rows of text as a table: in LaTeX one that may run over several pages, or in Markdown."""
 
 from collections.abc import Sequence
 
+from foggy_synscapes.tabling import markdown
 from foggy_synscapes.tabling.latex import escape
 
 
@@ -27,3 +28,10 @@ def long_table(columns: Sequence[str], rows: Sequence[Sequence[str]], caption: s
         r"\end{longtable}}",
     ]
     return "\n".join([*lines, ""])
+
+
+def pipe_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """One Markdown table. Underscores of heads become spaces."""
+    lines = [[column.replace("_", " ") for column in columns], *rows]
+    cells = ["| " + " | ".join(markdown.escape(cell) for cell in line) + " |" for line in lines]
+    return "\n".join([cells[0], "|" + "---|" * len(columns), *cells[1:]])

@@ -1,0 +1,176 @@
+"""tradeoff of networks: every way is timed and scored on a test set, and the words follow from the figures."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+import yaml
+from records import vouch
+from training_project import frame, project_in, write_lists
+
+from foggy_synscapes.cli import main
+from foggy_synscapes.datasets.index import write_index
+from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.images import encode_png
+from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.networks import NetworkConfig
+from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.weights import Model, Preprocessing, dump, load_model
+from foggy_synscapes.scoring.metrics import summarize
+from foggy_synscapes.weighing import training
+from foggy_synscapes.weighing.networks import (
+    BFLOAT16,
+    EAGER,
+    INT8,
+    ONNX,
+    WAYS,
+    Score,
+    measure,
+    paragraph,
+    pareto_front,
+    recommended,
+)
+from foggy_synscapes.weighing.words import rows
+
+MODEL = Path("results/train/refinenet/FC-498/seed-0/model.safetensors")
+
+
+def score(way: str, cpu_ms: float | None, right: int, scale: float = 1.0) -> Score:
+    """A way that gets `right` of 100 pixels of road right and calls the others sidewalk."""
+    if cpu_ms is None:
+        return Score("net", scale, way)
+    matrix = np.zeros((19, 20), np.int64)
+    matrix[0, :2] = right, 100 - right
+    return Score("net", scale, way, cpu_ms, summarize(matrix, 1), largest=0.5, changed=2.0)
+
+
+def test_the_front_weighs_time_against_mean_iou() -> None:
+    scores = [
+        score(EAGER, 10, 80),
+        score(ONNX, 5, 80),
+        score(INT8, 2, 79),
+        score(INT8, 3, 70, 0.5),
+        score(BFLOAT16, None, 0),
+    ]
+    assert pareto_front(scores) == [False, True, True, False, False]
+
+
+def test_the_fastest_way_that_loses_little_is_recommended() -> None:
+    plain = score(EAGER, 10, 80)
+    assert recommended([plain, score(ONNX, 5, 80), score(INT8, 2, 79)], "net").way == ONNX
+    text = paragraph([plain, score(ONNX, 5, 80), score(INT8, 2, 79), score(BFLOAT16, None, 0)])
+    assert "Take **ONNX float32** at scale 1: 5.0 ms, 2.0 times as fast, 0.00 points" in text
+    assert "ONNX int8 at scale 1 is 5.0 times as fast at -1.00 points." in text
+    assert text.endswith("`export`: PyTorch bfloat16.")
+    assert "take **PyTorch float32**" in paragraph([plain, score(INT8, 2, 79)])
+
+
+def test_what_was_not_measured_prints_dashes() -> None:
+    plain, half, missing = rows(
+        [score(EAGER, 10, 80), score(EAGER, 5, 60, 0.5), score(INT8, None, 0)], [True, True, False]
+    )
+    assert plain[3:8] == ("10.0", "1.00", "80.00", "0.00", "")
+    assert half[3:8] == ("5.0", "2.00", "60.00", "-20.00", "road -20.0")
+    assert missing == ("net", "1", "ONNX int8", *["--"] * 7, "")
+
+
+def test_without_the_packages_pytorch_is_measured_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    model = Model(build(NetworkConfig("bisenet", "resnet18", 4, 4)).eval(), Preprocessing())
+    image, labels = frame(0)
+    found = measure("bisenet", model, [(image, labels, "a")], [image], [1.0])
+    assert [one.way for one in found] == list(WAYS)
+    assert {one.way for one in found if one.cpu_ms is not None} <= {EAGER, BFLOAT16}
+    assert (found[0].largest, found[0].changed) == (0, 0)
+
+
+def test_training_time_is_counted_up_from_measured_iterations() -> None:
+    few, many = training.Cost("net", "few", 100, 50, 1.2, 30.0), training.Cost("net", "many", 900, 500, 1.2, 31.5)
+    assert few.minutes == pytest.approx(1.0)
+    text = training.paragraph([many, few])
+    assert text == "net: many (900 images) takes 10.0 times as long as few (100); mean IoU changes by +1.50 points."
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two test images, a model, and lists to calibrate on and to train on."""
+    project_in(tmp_path, monkeypatch)
+    for row in ("FS-498", "FS-24500"):
+        write_lists(row)
+    document = yaml.safe_load(Path("params.yaml").read_text())
+    document["train"]["networks"] = ["refinenet"]
+    document["tradeoff"] |= {"row": "FC-498", "test_set": "cityscapes", "scales": [1.0], "calibration": 2, "steps": 1}
+    Path("params.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+    root, names = Path("results/scenes/cityscapes"), []
+    for number in range(2):
+        for kind, ending, pixels in zip(
+            ("leftImg8bit", "gtFine"), ("leftImg8bit", "gtFine_labelIds"), frame(number), strict=True
+        ):
+            names.append(f"{kind}/val/town/town_00000{number}_000019_{ending}.png")
+            write_bytes(root / names[-1], encode_png(pixels))
+    write_index("cityscapes/all", root, names)
+    torch.manual_seed(0)
+    network = build(NetworkConfig("refinenet", "resnet18", 4, 4, auxiliary=False))
+    write_bytes(MODEL, dump(network, Preprocessing()))
+    vouch()
+    return tmp_path
+
+
+def expected_miou() -> float:
+    """Mean IoU of the model over the four classes of the frames, counted by hand."""
+    model = load_model(MODEL.read_bytes())
+    frames = [frame(number) for number in range(2)]
+    guess = np.stack([model.predict(image) for image, _ in frames])
+    truth = np.stack([labels for _, labels in frames])
+    pairs = {7: 0, 11: 2, 23: 10, 26: 13}
+    shares = [
+        ((guess == ours) & (truth == theirs)).sum() / ((guess == ours) | (truth == theirs)).sum()
+        for theirs, ours in pairs.items()
+    ]
+    return 100 * float(np.mean(shares))
+
+
+def test_table_plot_and_text_are_written(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tradeoff", "--part", "networks"]) == 0, capsys.readouterr().err
+    found = {row["way"]: row for row in read_csv("results/tradeoff/networks.csv")}
+    assert list(found) == list(WAYS)
+    assert found[EAGER]["changed_percent"] == "0"
+    assert float(found[ONNX]["largest_logit_change"]) < 1e-3
+    assert float(found[INT8]["largest_logit_change"]) > float(found[ONNX]["largest_logit_change"])
+    assert float(found[ONNX]["cpu_ms"]) > 0
+    assert found[EAGER]["miou"] == f"{expected_miou():.2f}"
+    costs = read_csv("results/tradeoff/training.csv")
+    assert [(row["row"], row["images"], row["miou"]) for row in costs] == [
+        ("FS-24500", "4", "--"),
+        ("FS-498", "4", "--"),
+    ]
+    assert "refinenet: PyTorch in float32 takes" in Path("results/tradeoff/networks.md").read_text()
+    for ending, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("tex", b"% Needs")):
+        assert Path(f"results/tradeoff/networks.{ending}").read_bytes().startswith(start)
+    assert main(["verify", "results/tradeoff"]) == 0
+
+
+def test_a_model_that_was_not_trained_is_asked_for(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    MODEL.unlink()
+    assert main(["tradeoff", "--part", "networks"]) == 1
+    assert f"{MODEL}: missing" in capsys.readouterr().err
+    assert not Path("results/tradeoff").exists()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("row", "FC-9", "tradeoff.row: FC-9 is no row of train"),
+        ("scales", [0.5, 1.0], "scales: 1.0 first"),
+        ("scales", [1.0, 2.0], "less than or equal to 1"),
+        ("calibration", 0, "greater than or equal to 1"),
+    ],
+)
+def test_params_that_cannot_be_are_refused(project: Path, capsys, key: str, value: object, message: str) -> None:
+    document = yaml.safe_load(Path("params.yaml").read_text())
+    document["tradeoff"][key] = value
+    Path("params.yaml").write_text(yaml.safe_dump(document))
+    assert main(["tradeoff", "--part", "networks"]) == 1
+    assert message in capsys.readouterr().err
