@@ -6,7 +6,7 @@ CORES ?= 2
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main test paper report status sources lint lock clean
+.PHONY: main test paper report status sources scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -40,6 +40,11 @@ status: $(READY)
 # What the engines are told of source files and library versions, after an import or the lock file was edited.
 sources: $(READY)
 	@$(BIN)/python workflow/declare_sources.py
+
+# Measurements of whole runs: planning at full size, sharing through servers, a Slurm of one machine (docs/scale.md).
+# Each stops with what to install where that is missing.
+scale remotes slurm: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/$@.py
 
 lint: $(READY)
 	@$(BIN)/ruff check .

@@ -1,15 +1,23 @@
-"""What the benchmarks of whole runs share: clones of this project to run in, calls in them, and hashes of results."""
+"""What the benchmarks of whole runs share: clones of this project to run in, and measured calls in them."""
 
-import hashlib
 import os
 import shutil
+import socket
 import subprocess
 import sys
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "tests/helpers"))
+from engines import hashes  # noqa: E402  (the tests' own, so that both compare the same files)
+
+__all__ = ["Call", "call", "clone", "free_ports", "hashes", "table", "wait_until"]
+PATIENCE = 60  # seconds that a server may take to start or to notice something
 
 
 @dataclass(frozen=True)
@@ -60,7 +68,11 @@ def call(folder: Path, *command: str, good: bool = True, **variables: str) -> Ca
         stderr=subprocess.STDOUT,
         text=True,
     ) as process:
-        text = process.stdout.read()
+        try:
+            text = process.stdout.read()
+        except BaseException:
+            process.terminate()
+            raise
         # Waited for by hand: only so the kernel tells the peak memory of this process and its children.
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -70,18 +82,25 @@ def call(folder: Path, *command: str, good: bool = True, **variables: str) -> Ca
     return done
 
 
-def hashes(folder: Path) -> dict[str, str]:
-    """SHA-256 by path of every result that is not a log, a benchmark or a cache."""
-    return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted((folder / "results").rglob("*"))
-        if path.is_file()
-        and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks", "paper")
-        and path.name not in (".gitignore", ".snakemake_timestamp")
-    }
-
-
 def table(header: tuple[str, ...], rows: list[tuple]) -> str:
     """A Markdown table."""
     lines = [header, tuple("---" for _ in header), *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports of the loopback interface that nobody listens on."""
+    with ExitStack() as stack:
+        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [each.getsockname()[1] for each in sockets]
+
+
+def wait_until(ready: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
+    """Ask twice a second; SystemExit where it takes too long."""
+    end = time.monotonic() + seconds
+    while not ready():
+        if time.monotonic() > end:
+            raise SystemExit(f"{what}: not within {seconds:.0f} s")
+        time.sleep(0.5)

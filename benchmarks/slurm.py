@@ -20,18 +20,17 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
-from clones import call, clone, hashes, table
+from clones import PATIENCE, call, clone, free_ports, hashes, table, wait_until
 
 PROGRAMS = ("munged", "mariadbd", "mariadb-install-db", "slurmdbd", "slurmctld", "slurmd", "sacctmgr")
 INSTALL = "apt-get install --no-install-recommends slurm-wlm slurmdbd mariadb-server munge"
 SMOKE = ("--configfile", "params/smoke.yaml")
 TOO_LITTLE = 400  # MB that the first attempt of `stability` gets; it needs about 550 with Snakemake around it
-PATIENCE = 60  # seconds that a daemon may take to start or to notice something
 
 SLURM = """\
 ClusterName=foggy
@@ -82,24 +81,6 @@ StorageUser=slurm
 StoragePass={password}
 StorageLoc=slurm
 """
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports of the loopback interface that nobody listens on."""
-    with ExitStack() as stack:
-        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for each in sockets:
-            each.bind(("127.0.0.1", 0))
-        return [each.getsockname()[1] for each in sockets]
-
-
-def wait_until(ready: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
-    """Ask twice a second; SystemExit where it takes too long."""
-    end = time.monotonic() + seconds
-    while not ready():
-        if time.monotonic() > end:
-            raise SystemExit(f"{what}: not within {seconds:.0f} s")
-        time.sleep(0.5)
 
 
 class Cluster:
@@ -156,6 +137,10 @@ class Cluster:
         variables = {**os.environ, **self.variables}
         done = subprocess.run(command, env=variables, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return done.stdout
+
+    def running(self) -> list[str]:
+        """Comments of the jobs that run, which name their rules."""
+        return self.ask("squeue", "--noheader", "--states=RUNNING", "--format=%k").splitlines()
 
     def jobs(self) -> list[list[str]]:
         """State, requested memory, allocated resources and comment of every job and of its requeued attempts."""
@@ -236,7 +221,7 @@ def running(folder: Path) -> Iterator[Cluster]:
 
 def break_node(cluster: Cluster, told: list[str]) -> None:
     """Wait for a training to run, kill the node, and bring it back when Slurm has noticed."""
-    wait_until(lambda: any("train" in job[4] and job[1] == "RUNNING" for job in cluster.jobs()), "a training", 1200)
+    wait_until(lambda: any("train" in comment for comment in cluster.running()), "a training", 1200)
     time.sleep(5)
     told.append(f"node: {cluster.kill_node()} processes killed")
     wait_until(lambda: cluster.node_state().startswith("down"), "the node's death")
