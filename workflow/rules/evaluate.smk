@@ -31,8 +31,8 @@ rule evaluate:
         "results/benchmarks/evaluate/{test_set}_{network}_{row}_seed-{seed}.tsv"
     threads: PARAMS.evaluate.threads
     resources:
-        mem_mb=memory(8_000),
-        runtime=240,
+        mem_mb=memory(4_000),
+        runtime=12 * 60,
     params:
         versions=versions("evaluate"),
         reads=lambda wildcards: reads(
