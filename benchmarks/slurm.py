@@ -237,7 +237,7 @@ def check(cluster: Cluster, told: list[str], same: bool) -> list[str]:
     print(table(("state", "jobs"), sorted(Counter(job[1].split()[0] for job in jobs).items())))
     print("stability:", ", ".join(f"{job[1]} with {job[2]}" for job in killed))
     print("\n".join(told))
-    granted = [job[4] for job in jobs if "gres/gpu=1" in job[3]]
+    granted = sorted({job[4] for job in jobs if "gres/gpu=1" in job[3]})
     print(f"GPU granted to: {', '.join(granted) or 'nobody'}")
     asked = [job[2] for job in killed]
     demands = {
