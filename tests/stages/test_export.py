@@ -88,7 +88,7 @@ def test_at_full_scale_the_module_around_a_network_adds_nothing(models) -> None:
 def test_paired_stems_change_the_order_of_sums_only(models, name: str) -> None:
     rgb = image(64, 96)
     expected = models[name].logits(rgb)
-    torch.testing.assert_close(with_paired_stems(models[name]).logits(rgb), expected, atol=1e-5, rtol=1e-5)
+    torch.testing.assert_close(with_paired_stems(models[name]).logits(rgb), expected, atol=1e-4, rtol=1e-4)
     assert torch.equal(models[name].logits(rgb), expected), "the model itself must stay as it is"
 
 

@@ -107,8 +107,8 @@ def checked_inputs(paths: Iterable[str | Path]) -> dict[str, str]:
 def record_of(path: Path) -> Path:
     """Where the run record of a result lies: `NAME.run.json` where the step writes several records, or `run.json`.
 
-    >>> record_of(Path("results/fog/airlight/0000.csv")).as_posix()
-    'results/fog/airlight/run.json'
+    >>> record_of(Path("nowhere/results/0000.csv")).as_posix()
+    'nowhere/results/run.json'
     """
     own = path.with_suffix(".run.json")
     return own if own.is_file() else path.with_name("run.json")
