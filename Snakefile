@@ -88,9 +88,13 @@ def versions(word):
 
 
 def reads(*keys):
-    """Values of params that a command reads, by dotted key as in dvc.yaml: a change there re-runs its jobs."""
+    """Values of params that a command reads, by dotted key as in dvc.yaml: a change there re-runs its jobs.
+
+    A function of the wildcards, because Snakemake would fill in what stands in braces in a text, such as a folder.
+    """
     values = PARAMS.model_dump(mode="json", by_alias=True)
-    return json.dumps(select(values, *keys), sort_keys=True)
+    text = json.dumps(select(values, *keys), sort_keys=True)
+    return lambda wildcards: text
 
 
 def one_of(names):

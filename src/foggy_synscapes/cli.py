@@ -74,7 +74,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)
         return 1
-    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError, OSError) as error:
+    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError, RecursionError, OSError) as error:
         # No input should get here: a person still gets one message, and --debug shows where it came from.
         if options.debug:
             raise

@@ -39,7 +39,7 @@ rule evaluate:
             "evaluate.threads",
             f"scenes.roots.{wildcards.test_set}",
             "scenes.zurich_list",
-        ),
+        )(wildcards),
     shell:
         "foggy evaluate --network {wildcards.network} --row {wildcards.row} --seed {wildcards.seed}"
         " --test-set {wildcards.test_set}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -11,6 +11,7 @@ from pathlib import Path
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.names import check_name
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.progress import progress
 
@@ -21,10 +22,18 @@ CACHE = Path(".foggy/cache")
 
 
 def read_index(*names: str) -> dict[str, str]:
-    """SHA-256 by relative path, of one dataset or of several shards, such as "synscapes/0000", "synscapes/0001"."""
+    """SHA-256 by relative path, of one dataset or of several shards, such as "synscapes/0000", "synscapes/0001".
+
+    Raises FoggyError if an index is missing or damaged, or names a file outside of the dataset's folder.
+    """
     hashes: dict[str, str] = {}
     for name in names:
-        hashes.update((row["path"], row["sha256"]) for row in read_csv(index_path(name), COLUMNS))
+        for row in read_csv(index_path(name), COLUMNS):
+            try:
+                check_name(row["path"])
+            except ValueError as error:
+                raise FoggyError(f"{index_path(name)}: {error}; it leads out of the dataset's folder") from error
+            hashes[row["path"]] = row["sha256"]
     return hashes
 
 

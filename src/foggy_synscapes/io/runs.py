@@ -16,6 +16,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.instructions import instructions
+from foggy_synscapes.io.names import check_name
 
 # Distributions whose name is not the name that is imported.
 DISTRIBUTIONS = {"PIL": "pillow", "yaml": "pyyaml", "OpenImageIO": "OpenImageIO"}
@@ -115,13 +116,21 @@ def record_of(path: Path) -> Path:
 
 
 def read_run(path: Path) -> dict[str, Any]:
-    """One run record; raises FoggyError if it is no JSON object with command, inputs and outputs."""
+    """One run record.
+
+    Raises FoggyError if it is no JSON object with command, inputs and outputs, or names outputs outside of the folder.
+    """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise FoggyError(f"{path}: not a readable run record: {error}. Run its step again.") from error
     if not isinstance(record, dict) or not {"command", "inputs", "outputs"} <= record.keys():
         raise FoggyError(f"{path}: not a run record: command, inputs or outputs missing. Run its step again.")
+    for name in record["outputs"]:
+        try:
+            check_name(name)
+        except ValueError as error:
+            raise FoggyError(f"{path}: not a run record of this project: {error}. Delete it.") from error
     return record
 
 

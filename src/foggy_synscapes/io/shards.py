@@ -13,6 +13,7 @@ from pathlib import Path
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import replacing
 from foggy_synscapes.io.hashing import sha256_bytes
+from foggy_synscapes.io.names import check_name
 from foggy_synscapes.io.tables import read_csv, write_csv
 
 COLUMNS = ("name", "size", "sha256")
@@ -48,13 +49,6 @@ def write_shard(path: str | Path, members: Iterable[tuple[str, bytes]]) -> list[
             tar.addfile(entry, io.BytesIO(data))
             manifest.append(Member(name, len(data), sha256_bytes(data)))
     return manifest
-
-
-def check_name(name: str) -> None:
-    """Raise ValueError for a member name that is absolute, empty or climbs out of its folder."""
-    parts = name.split("/")
-    if not name or name.startswith("/") or "\\" in name or any(part in ("", ".", "..") for part in parts):
-        raise ValueError(f"unsafe member name {name!r}")
 
 
 class Shard:

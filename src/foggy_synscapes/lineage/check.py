@@ -4,10 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from foggy_synscapes.datasets.index import COLUMNS, FOLDER
+from foggy_synscapes.datasets.index import FOLDER, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.runs import read_run, read_runs, record_of, state
-from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import STAND_IN
 from foggy_synscapes.progress import progress
 
@@ -31,7 +30,9 @@ def differences(path: Path) -> tuple[list[str], int]:
     recorded: dict[str, dict[str, str]] = {}
     for place, record in read_runs().items():
         if any(Path(name).is_relative_to(path) for name in record["outputs"]):
-            for name, digest in {**record["inputs"], **record["outputs"]}.items():
+            for name, digest in record["inputs"].items():
+                recorded.setdefault(name, {}).setdefault(digest, str(place))
+            for name, digest in record["outputs"].items():  # where both know a file, its maker's record is named
                 recorded.setdefault(name, {})[digest] = str(place)
     if not recorded:
         raise FoggyError(f"{path}: no run record speaks of it. Paths are relative to the project's folder: results/...")
@@ -87,9 +88,11 @@ class RawState:
 
 def raw_state(index: Path, root: Path) -> RawState:
     """Hash the files that an index lists, and compare."""
-    rows = read_csv(index, COLUMNS)
+    listed = read_index(index.relative_to(FOLDER).with_suffix("").as_posix())
     states = {
-        str(root / row["path"]): state(root / row["path"], row["sha256"])
-        for row in progress(rows, f"verify {dataset_of(index)}", unit="file")
+        str(root / path): state(root / path, digest)
+        for path, digest in progress(listed.items(), f"verify {dataset_of(index)}", unit="file")
     }
-    return RawState(len(rows), *([name for name in states if states[name] == word] for word in ("missing", "changed")))
+    return RawState(
+        len(states), *([name for name in states if states[name] == word] for word in ("missing", "changed"))
+    )

@@ -1,0 +1,87 @@
+"""Going from one engine to the other: nothing is made again, and what is stale or altered is not certified."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from engines import hashes, run
+
+pytestmark = pytest.mark.xdist_group("chain")
+METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
+
+
+def copied(source: Path, target: Path) -> Path:
+    """A clone with its results, which a test may change."""
+    shutil.copytree(source, target, symlinks=True)
+    shutil.copy(target / "params/smoke.yaml", target / "params.yaml")
+    if not (target / ".git").exists():
+        subprocess.run(["git", "init", "--quiet"], cwd=target, check=True)
+    return target
+
+
+def refused(folder: Path, *arguments: str) -> str:
+    """The message with which `foggy adopt` refuses."""
+    call = [sys.executable, "-m", "foggy_synscapes", "adopt", *arguments]
+    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode in (1, 2), result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result.stderr
+
+
+def test_after_snakemake_dvc_has_nothing_to_do_and_neither_has_snakemake(snakemake: Path, tmp_path: Path) -> None:
+    folder = copied(snakemake, tmp_path / "a clone")
+    before = hashes(folder)
+    smoke = ("--params", "params/smoke.yaml")
+    assert "dvc repro has nothing to do now" in run(folder, "foggy_synscapes", "adopt", "--from", "snakemake", *smoke)
+    assert "Data and pipelines are up to date" in run(folder, "dvc", "status")
+    told = run(folder, "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/smoke.yaml")
+    assert "Nothing to be done" in told
+    assert hashes(folder) == before
+
+
+def test_after_dvc_snakemake_has_nothing_to_do_until_a_param_changes(dvc: Path, tmp_path: Path) -> None:
+    folder = copied(dvc, tmp_path / "clone")
+    shutil.rmtree(folder / ".snakemake", ignore_errors=True)
+    before = hashes(folder)
+    assert "snakemake has nothing to do now" in run(folder, "foggy_synscapes", "adopt", "--from", "dvc")
+    assert "Nothing to be done" in run(folder, "snakemake", "--dry-run", "--cores", "1")
+    assert hashes(folder) == before
+    params = folder / "params.yaml"
+    params.write_text(params.read_text().replace("maximum: 5.0", "maximum: 5.5"))
+    assert "params have changed since last execution" in run(folder, "snakemake", "--dry-run", "--cores", "1")
+    # What is stale now is certified in neither direction.
+    message = refused(folder, "--from", "dvc")
+    assert "DVC does not call everything up to date" in message
+    assert "filter: changed deps" in message or "filter.rules modified" in message
+    message = refused(folder, "--from", "snakemake")
+    assert "Snakemake still has work to do" in message
+    assert "Run snakemake --cores 2 first" in message
+
+
+def test_altered_results_and_images_are_not_certified(snakemake: Path, tmp_path: Path) -> None:
+    folder = copied(snakemake, tmp_path / "clone")
+    image = next((folder / "results/scenes/foggy_zurich/RGB").rglob("*.png"))
+    for path in (folder / METRICS, image):
+        status = path.stat()
+        path.write_bytes(path.read_bytes()[:-1] + b" ")
+        os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))  # so that Snakemake does not see it
+    message = refused(folder, "--from", "snakemake", "--params", "params/smoke.yaml")
+    assert f"{METRICS}: changed (recorded in {METRICS.with_name('run.json')})" in message
+    assert f"{image.relative_to(folder)}: changed (listed in results/scenes/index/foggy_zurich/all.csv)" in message
+    assert not (folder / "dvc.lock").exists()
+
+
+def test_another_params_file_than_dvc_reads_is_refused(tmp_path: Path) -> None:
+    for name in ("Snakefile", "dvc.yaml"):
+        (tmp_path / name).write_text("")
+    (tmp_path / "params.yaml").write_text("a: 1")
+    (tmp_path / "other.yaml").write_text("a: 2")
+    assert "cp other.yaml params.yaml" in refused(tmp_path, "--from", "snakemake", "--params", "other.yaml")
+
+
+def test_outside_of_a_project_it_says_where_to_run(tmp_path: Path) -> None:
+    message = refused(tmp_path, "--from", "dvc")
+    assert "no Snakefile, dvc.yaml, params.yaml here. Run foggy adopt in the project's folder" in message
