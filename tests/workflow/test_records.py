@@ -36,7 +36,7 @@ def declared_to_snakemake(folder: Path) -> dict[str, dict]:
             job = json.loads(path.read_text())
             command = job["shellcmd"].partition(" > ")[0].removesuffix(" --params params/smoke.yaml")
             values = [json.loads(text[1:-1]) for text in job["params"] if text.startswith("'{")]
-            (reads,) = [value for value in values if value.keys() <= Params.model_fields.keys()]
+            (reads,) = [value for value in values if value and value.keys() <= Params.model_fields.keys()]
             found[command] = stated(reads)
     return found
 

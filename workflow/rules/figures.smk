@@ -61,6 +61,8 @@ rule figures:
         runtime=60,
     params:
         versions=versions("figures"),
-        reads=lambda wildcards: reads("figures", *figure_reads(wildcards.figure))(wildcards),
+        reads=lambda wildcards: reads("figures", *figure_reads(wildcards.figure))(
+            wildcards
+        ),
     shell:
         "foggy figures --figure {wildcards.figure}{PARAMS_OPTION} > {log:q} 2>&1"
