@@ -172,10 +172,10 @@ class Bench:
         done = self.run(folder, "dvc", "repro")
         self.demand("up to date" in done.text and "Running" not in done.text, f"dvc repro ran:\n{done.text}")
         self.note("then dvc repro", done, "nothing to do")
-        self.run(folder, "snakemake", "--touch", "--forceall", "--cores", "1")
+        self.run(folder, sys.executable, "-m", "foggy_synscapes", "adopt", "--from", "dvc")
         done = self.run(folder, "snakemake", "--cores", "1")
         self.demand("Nothing to be done" in done.text, f"snakemake ran:\n{done.text[-2000:]}")
-        self.note("then snakemake, after adopting", done, "nothing to do")
+        self.note("then foggy adopt and snakemake", done, "nothing to do")
         return folder
 
     def paper(self) -> None:
