@@ -28,9 +28,9 @@ paper: $(READY)
 	done
 	@echo "== results/paper/article.pdf"
 
-# All tables and figures as one page for the browser, with the command behind each.
+# All tables and figures as one page for the browser, with the command behind each; the trade-off too where it was measured.
 report: $(READY)
-	@$(BIN)/snakemake --report results/report.html
+	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 
 # README.md and docs/status.md, from the tables that the main job made.

@@ -13,7 +13,13 @@ rule tradeoff_fog:
         code=code("tradeoff"),
     output:
         expand("results/tradeoff/fog.{ending}", ending=["csv", "tex", "md"]),
-        expand("results/tradeoff/fog.{ending}", ending=["png", "pdf", "run.json"]),
+        expand("results/tradeoff/fog.{ending}", ending=["pdf", "run.json"]),
+        report(
+            "results/tradeoff/fog.png",
+            caption="../report/tradeoff_fog.rst",
+            category="4. Speed against accuracy",
+            labels={"of": "fog"},
+        ),
     log:
         "results/logs/tradeoff/fog.log",
     benchmark:
@@ -62,7 +68,13 @@ rule tradeoff_networks:
         code=code("tradeoff"),
     output:
         expand("results/tradeoff/networks.{ending}", ending=["csv", "tex", "md"]),
-        expand("results/tradeoff/networks.{ending}", ending=["png", "pdf", "run.json"]),
+        expand("results/tradeoff/networks.{ending}", ending=["pdf", "run.json"]),
+        report(
+            "results/tradeoff/networks.png",
+            caption="../report/tradeoff_networks.rst",
+            category="4. Speed against accuracy",
+            labels={"of": "networks"},
+        ),
         expand("results/tradeoff/training.{ending}", ending=["csv", "tex"]),
     log:
         "results/logs/tradeoff/networks.log",
