@@ -146,7 +146,7 @@ def test_table_plot_and_text_are_written(project: Path, capsys: pytest.CaptureFi
         ("FS-24500", "4", "--"),
         ("FS-498", "4", "--"),
     ]
-    assert "refinenet: PyTorch in float32 takes" in Path("results/tradeoff/networks.md").read_text()
+    assert "RefineNet: PyTorch in float32 takes" in Path("results/tradeoff/networks.md").read_text()
     for ending, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("tex", b"% Needs")):
         assert Path(f"results/tradeoff/networks.{ending}").read_bytes().startswith(start)
     assert main(["verify", "results/tradeoff"]) == 0

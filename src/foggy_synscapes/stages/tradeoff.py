@@ -108,25 +108,29 @@ def _networks(params: Params) -> None:
     write_csv(outputs[0], words.COLUMNS + words.CLASS_COLUMNS, words.rows(scores, best, classes=True))
     height, width = samples[0][0].shape[:2]
     data = "stand-in " if params.stand_in else ""
-    what = f"{len(samples)} {data}images of {settings.test_set}, the first of {width} x {height} pixels"
+    test_set = words.title(settings.test_set)
+    what = f"{len(samples)} {data}images of {test_set}, the first of {width} x {height} pixels"
     caption = (
         f"Ways of computing the networks of row {settings.row} (seed {seed}) on {what}: median CPU time of one thread "
-        "per image; mean IoU over the annotated classes and changes from PyTorch in float32 at full scale."
+        "per image; mean IoU over the annotated classes; changes from PyTorch in float32 at full scale: points of mean "
+        "IoU, the class whose IoU changes most, the largest difference of logits, pixels of another class."
     )
-    rows = words.rows(scores, best)
-    write_text(outputs[1], long_table(words.COLUMNS, rows, caption, "table:tradeoff-networks"))
+    rows = words.printed(words.rows(scores, best))
+    write_text(outputs[1], long_table(words.HEADS, rows, caption, "table:tradeoff-networks"))
     ended = words.cost_rows(costs)
-    duration = training.caption(settings.steps, settings.test_set)
-    parts = [caption, pipe_table(words.COLUMNS, rows), networks.paragraph(scores)]
-    parts += [duration, pipe_table(training.COLUMNS, ended), training.paragraph(costs)]
+    duration = training.caption(settings.steps, test_set)
+    parts = [caption, pipe_table(words.HEADS, rows), networks.paragraph(scores)]
+    parts += [duration, pipe_table(training.HEADS, words.printed(ended)), training.paragraph(costs)]
     write_text(outputs[2], "\n\n".join(parts) + "\n")
-    points = [(one.network, one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None]
+    points = [
+        (words.title(one.network), one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None
+    ]
     kept = [good for one, good in zip(scores, best, strict=True) if one.cpu_ms is not None]
-    figure = front(points, kept, "CPU ms of one thread per image", f"mean IoU (%), {data}{settings.test_set}")
+    figure = front(points, kept, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
     for path in outputs[3:5]:
         write_bytes(path, render(figure, path.suffix[1:]))
     write_csv(outputs[5], training.COLUMNS, ended)
-    write_text(outputs[6], long_table(training.COLUMNS, ended, duration, "table:tradeoff-training"))
+    write_text(outputs[6], long_table(training.HEADS, words.printed(ended), duration, "table:tradeoff-training"))
     keys = ("row", "test_set", "scales", "calibration", "steps")
     others = ("scenes.roots", "scenes.zurich_list", "subset.pure", "train")
     _record(params, "networks", (*(f"tradeoff.{key}" for key in keys), *others), inputs, outputs)

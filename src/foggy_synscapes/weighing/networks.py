@@ -16,6 +16,7 @@ from foggy_synscapes.progress import progress
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
 from foggy_synscapes.tabling.numbers import signed
+from foggy_synscapes.tabling.results import NETWORKS
 from foggy_synscapes.weighing.front import front
 
 THREADS = 1  # that a measurement counts the time of
@@ -160,8 +161,8 @@ def paragraph(scores: Sequence[Score]) -> str:
     for network in dict.fromkeys(score.network for score in scores):
         plain, chosen = reference_of(scores, network), recommended(scores, network)
         text = [
-            f"{network}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image and reaches a mean IoU "
-            f"of {plain.miou:.2f} %."
+            f"{NETWORKS.get(network, network)}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image "
+            f"and reaches a mean IoU of {plain.miou:.2f} %."
         ]
         if chosen is plain:
             text.append(f"No other way is faster and within {LITTLE} points of that: take **{EAGER}**.")

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 from foggy_synscapes.datasets.labels import CLASSES
 from foggy_synscapes.tabling.numbers import DASH, MISSING, signed
+from foggy_synscapes.tabling.paper import TITLES
+from foggy_synscapes.tabling.results import NETWORKS
 from foggy_synscapes.weighing.networks import Score, reference_of
 from foggy_synscapes.weighing.training import Cost
 
@@ -11,6 +13,19 @@ COLUMNS = (
     "network", "scale", "way", "cpu_ms", "times_as_fast", "miou", "change", "most_changed_class",
     "largest_logit_change", "changed_percent", "pareto",
 )  # fmt: skip
+HEADS = (
+    "Network",
+    "Scale",
+    "Way",
+    "CPU ms",
+    "Faster",
+    "mIoU",
+    "Change",
+    "Most changed",
+    "Logits",
+    "Pixels (%)",
+    "Front",
+)
 CLASS_COLUMNS = tuple(f"change {name}" for name in CLASSES)
 
 
@@ -40,6 +55,20 @@ def _row(score: Score, plain: Score, best: bool, classes: bool) -> tuple[str, ..
     )
     each = [signed(change[name], 2) if name in change else DASH for name in CLASSES] if classes else []
     return *head, *cells, *each
+
+
+def printed(cells: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Rows that begin with a network, with the name that people read."""
+    return [(title(network), *rest) for network, *rest in cells]
+
+
+def title(name: str) -> str:
+    """What people call a network or a test set; the name itself where they have no other.
+
+    >>> title("bisenet"), title("foggy_driving"), title("cityscapes")
+    ('BiSeNet', 'Foggy Driving', 'cityscapes')
+    """
+    return {**NETWORKS, **TITLES}.get(name, name)
 
 
 def cost_rows(costs: Sequence[Cost]) -> list[tuple[str, ...]]:
