@@ -261,7 +261,7 @@ class Stability(Section):
     digits: Annotated[int, Field(ge=20, le=200)]
 
 
-Scale = Annotated[FiniteFloat, Field(gt=0, le=1)]
+Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
 
 
 class Tradeoff(Section):

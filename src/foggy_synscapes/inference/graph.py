@@ -19,10 +19,11 @@ class Graph(nn.Module):
 
     def __init__(self, model: Model, scale: float = 1.0) -> None:
         super().__init__()
-        if not 0 < scale <= 1:
-            raise ValueError(f"scale: {scale}, expected above 0 and at most 1")
+        if not 0.01 <= scale <= 1:
+            raise ValueError(f"scale: {scale}, expected 0.01 to 1")
         self.network, self.preprocessing = model.network.eval(), model.preprocessing
-        self.scale = Fraction(str(scale))
+        # A ratio of small numbers: sizes follow in whole numbers, alike here and in a graph.
+        self.scale = Fraction(scale).limit_denominator(1000)
 
     def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """images : uint8 (B, H, W, 3), RGB -> logits float32 (B, classes, H, W), trainIds uint8 (B, H, W)."""

@@ -44,7 +44,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="classes: trainIds, uint8 (batch, height, width) (default); logits: float32 (batch, 19, height, width)",
     )
     parser.add_argument(
-        "--scale", type=float, default=1.0, metavar="S", help="of the image's sides at which the network works, 0 to 1"
+        "--scale",
+        type=float,
+        default=1.0,
+        metavar="S",
+        help="of the image's sides at which the network works, 0.01 to 1 (default: 1)",
     )
     parser.add_argument("--int8", action="store_true", help="compute in 8 bits, with ranges from calibration images")
     parser.add_argument(
@@ -65,8 +69,8 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError(f"{', '.join(given)}: --network, --row and --seed belong together")
     if args.out.suffix != ".onnx":
         raise UsageError(f"--out {args.out}: expected a name that ends in .onnx")
-    if not 0 < args.scale <= 1:
-        raise UsageError(f"--scale {args.scale}: expected above 0 and at most 1")
+    if not 0.01 <= args.scale <= 1:
+        raise UsageError(f"--scale {args.scale}: expected 0.01 to 1")
     if args.images < 1:
         raise UsageError(f"--images {args.images}: expected 1 or more")
     if args.calibrate and not args.int8:
