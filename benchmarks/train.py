@@ -6,12 +6,16 @@ For each network at the size and policy that the params give its baseline, on ra
   samples  drawing a batch: order, augmentation, collation; what a loader worker would take off the step
 CPU milliseconds, medians; the loops are measured in turn, so that all meet the same machine. Target: step at most 5 %
 above plain.
+
+Then, with loader processes (0, 1 and 2): the share of a training's time that it waits for batches, whose images are
+decoded from PNG each time, as where a list is too long for `train.cache`. Wall-clock time; target with one: below 5 %.
 """
 
 import argparse
 import os
 import statistics
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from foggy_synscapes.params import load
@@ -27,12 +31,13 @@ os.environ["OMP_NUM_THREADS"] = str(params.train.threads)
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
 
+from foggy_synscapes.io.images import encode_png, read_ids, read_rgb  # noqa: E402
 from foggy_synscapes.networks import NetworkConfig  # noqa: E402
 from foggy_synscapes.networks.build import build  # noqa: E402
 from foggy_synscapes.networks.weights import Preprocessing  # noqa: E402
 from foggy_synscapes.training import loop, losses  # noqa: E402
 from foggy_synscapes.training.forward import Arithmetic, forward  # noqa: E402
-from foggy_synscapes.training.loader import Steps  # noqa: E402
+from foggy_synscapes.training.loader import Steps, batches  # noqa: E402
 from foggy_synscapes.training.policy import Policy, parameter_groups, set_training  # noqa: E402
 
 
@@ -52,6 +57,55 @@ class Noise:
 
     def name(self, index: int) -> str:
         return str(index)
+
+
+class Files(Noise):
+    """Smooth images of the same size as the bytes of PNG files."""
+
+    def __init__(self) -> None:
+        random, (height, width) = np.random.default_rng(0), params.scenes.stand_in.size
+        self.files = []
+        for _ in range(self.count):
+            coarse = random.integers(0, 19, (height // 16, width // 16), np.uint8)
+            ids = np.kron(coarse, np.ones((16, 16), np.uint8))
+            self.files.append((encode_png(np.stack([ids * 9, ids * 5, ids * 3], axis=-1)), encode_png(ids)))
+
+    def load(self, index: int) -> tuple[np.ndarray, np.ndarray]:
+        image, ids = self.files[index]
+        return read_rgb(image, "image"), read_ids(ids, "ids")
+
+
+def waiting(name: str) -> None:
+    settings = getattr(params.train, name)
+    policy = Policy(**settings.baseline.model_dump(include=set(Policy.__dataclass_fields__)))
+    arithmetic = Arithmetic("cpu", params.train.precision, params.train.memory_format)
+    network = build(NetworkConfig(name, settings.backbone, settings.width, settings.decoder))
+    files, shares = Files(), []
+    for workers in (0, 1, 2):
+        waited: list[float] = []
+
+        def watched(*arguments: object, into: list[float] = waited, **more: object) -> Iterator:
+            source = batches(*arguments, **more)
+            while True:
+                begin = time.perf_counter()
+                batch = next(source, None)
+                into.append(time.perf_counter() - begin)
+                if batch is None:
+                    return
+                yield batch
+
+        loop.batches = watched
+        count = arguments.steps * 2
+        plan = loop.Plan(count, count, 10, count, 0, workers)
+        ends: list[float] = []
+        loop.train(
+            network, Preprocessing(), policy, plan, arithmetic, files, files, lambda _: None, {},
+            report=lambda *_, into=ends: into.append(time.perf_counter()),
+        )  # fmt: skip
+        # Without the first steps, in which the workers start, and the last, which validates.
+        shares.append(f"{workers}: {sum(waited[3 : count - 1]) / (ends[count - 2] - ends[2]):.1%}")
+    loop.batches = batches
+    print(f"{name}: waits for batches, by loader processes, {', '.join(shares)} of the time")
 
 
 def measure(name: str) -> None:
@@ -124,3 +178,4 @@ torch.use_deterministic_algorithms(True)
 torch.utils.deterministic.fill_uninitialized_memory = False
 for network_name in params.train.networks:
     measure(network_name)
+    waiting(network_name)
