@@ -10,8 +10,10 @@ from typing import Any
 
 import pytest
 from engines import run
+from rocrate.rocrate import ROCrate
 
 from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.recorded import leaves
 
 pytestmark = pytest.mark.xdist_group("chain")
 TABLE = "results/tables/foggy_zurich.tex"
@@ -147,3 +149,45 @@ def test_a_reader_that_has_seen_enough_ends_it_quietly(snakemake: Path, form: li
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 0
+
+
+def test_a_crate_holds_the_files_jobs_params_and_versions_behind_a_table(snakemake: Path, tmp_path: Path) -> None:
+    """What Workflow Run Crate 0.5 requires, read by the library that others read crates with."""
+    for name in ("one.zip", "two.zip", "folder"):
+        trace(snakemake, TABLE, "--crate", str(tmp_path / name), "--date", "2026-11-24")
+    assert sha256(tmp_path / "one.zip") == sha256(tmp_path / "two.zip")
+    crate = ROCrate(tmp_path / "folder")
+    assert crate.datePublished.date().isoformat() == "2026-11-24"
+    profiles = {entity.id for entity in crate.root_dataset["conformsTo"]}
+    assert "https://w3id.org/ro/wfrun/workflow/0.5" in profiles
+    assert crate.mainEntity.id == "Snakefile"
+    assert set(crate.mainEntity.type) == {"File", "SoftwareSourceCode", "ComputationalWorkflow"}
+    whole, *actions = crate.root_dataset["mentions"]
+    assert whole["instrument"] == crate.mainEntity
+    jobs = {node["record"]: node for node in nodes(json.loads(trace(snakemake, TABLE, "--json"))) if "params" in node}
+    assert {action.id.removeprefix("#") for action in actions} == jobs.keys()
+    for action in actions:
+        node = jobs[action.id.removeprefix("#")]
+        assert action["name"] == node["command"]
+        assert action["instrument"]["softwareVersion"]
+        values = {entity["name"] for entity in action["object"] if entity.type == "PropertyValue"}
+        assert values >= dict(leaves(node["params"])).keys()
+        hashes = {entity["sha256"] for entity in action["object"] if entity.type != "PropertyValue"}
+        assert hashes == {each["sha256"] for each in node["inputs"]}
+    files = [entity for entity in crate.data_entities if "sha256" in entity.properties()]
+    assert TABLE in {entity.id for entity in files}
+    assert all(sha256(tmp_path / "folder" / entity.id) == entity["sha256"] for entity in files)
+    assert str(snakemake) not in (tmp_path / "folder/ro-crate-metadata.json").read_text()
+
+
+def test_a_crate_of_what_was_altered_is_refused(snakemake: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "clone"
+    shutil.copytree(snakemake / "results", folder / "results")
+    for name in ("params", "Snakefile"):
+        (folder / name).symlink_to(snakemake / name)
+    (folder / TABLE).write_text("better")
+    call = [sys.executable, "-m", "foggy_synscapes", "trace", TABLE, *SMOKE, "--crate", "crate.zip"]
+    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert f"{TABLE}: changed; a crate tells of what is as recorded" in result.stderr
+    assert not (folder / "crate.zip").exists()

@@ -78,8 +78,12 @@ def _link(scratch: Path, word: str) -> None:
 
 def _again(record: dict[str, Any], word: str, scratch: Path, params: Path) -> Rebuilt:
     command = record["command"]
-    strange = [text for text in command[2:] if text.startswith("-") and text not in OPTIONS[word]]
-    if command[:2] != ["foggy", word] or strange or not all(isinstance(text, str) for text in command):
+    plain = all(isinstance(text, str) for text in command)
+    if (
+        not plain
+        or command[:2] != ["foggy", word]
+        or any(text.startswith("-") and text not in OPTIONS[word] for text in command[2:])
+    ):
         raise FoggyError(f"run record of {next(iter(record['outputs']))}: {command} is no job of foggy {word}; not run")
     own = Path(RESULTS) / word
     for name in [file for file in record["inputs"] if Path(file).is_relative_to(own)]:

@@ -62,6 +62,24 @@ class Lineage:
         """
         return self._node(name, self.maker(name)["outputs"][name], depth, set())
 
+    def jobs(self, name: str) -> list[Path]:
+        """Run records of all jobs behind a file, those that a job needs before it, each once.
+
+        Raises FoggyError if no run record has the file among its outputs.
+        """
+        found: dict[Path, None] = {}
+        self.maker(name)
+
+        def visit(file: str) -> None:
+            place = self.makers.get(file)
+            if place is not None and place not in found:
+                for each in self.records[place]["inputs"]:
+                    visit(each)
+                found[place] = None
+
+        visit(name)
+        return list(found)
+
     def _node(self, name: str, digest: str, depth: int | None, seen: set[Path]) -> dict[str, Any]:
         node = self.file(name, digest)
         if name not in self.makers:

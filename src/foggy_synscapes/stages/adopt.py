@@ -122,15 +122,17 @@ def _dvc_waits() -> str:
     return _shortened("\n".join(f"{name}: {_in_words(changes)}" for name, changes in sorted(stages.items())))
 
 
-def _in_words(changes: list) -> str:
-    found = []
-    for change in changes:
-        if isinstance(change, str):
-            found.append(change)
-            continue
-        for kind, files in change.items():
-            found += [f"{name} {word}" for name, word in files.items()] if isinstance(files, dict) else [kind]
-    return ", ".join(found)
+def _in_words(changes: object) -> str:
+    """What DVC says of a stage, without its nesting.
+
+    >>> _in_words([{"changed deps": {"params.yaml": {"fog.betas": "modified"}}}, "changed command"])
+    'fog.betas modified, changed command'
+    """
+    if isinstance(changes, dict):
+        return ", ".join(
+            f"{name} {word}" if isinstance(word, str) else _in_words(word) for name, word in changes.items()
+        )
+    return ", ".join(map(_in_words, changes)) if isinstance(changes, list) else str(changes)
 
 
 def _engine(module: str, *arguments: str) -> str:

@@ -2,11 +2,13 @@
 
 import argparse
 import json
+import re
 from pathlib import Path
 
 from foggy_synscapes.datasets.test_sets import TEST_SETS
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.lineage.cell import trace_cell
+from foggy_synscapes.lineage.crate import write_crate
 from foggy_synscapes.lineage.tree import Lineage
 from foggy_synscapes.lineage.words import cell_lines, lines
 from foggy_synscapes.params import load, root
@@ -26,6 +28,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar=("NETWORK", "ROW", "SCORE"),
         help="instead of a file: one cell, e.g. RefineNet FS-498 sky, or ... 'mean IoU annotated'",
     )
+    parser.add_argument(
+        "--crate",
+        type=Path,
+        metavar="DIR",
+        help="write a Workflow Run RO-Crate to this new folder, or FILE.zip, instead",
+    )
+    parser.add_argument(
+        "--date", default="1970-01-01", help="with --crate: its date of publication (default: 1970-01-01, for unknown)"
+    )
     parser.add_argument("--test-set", choices=TEST_SETS, help="with --cell: whose table (default: foggy_zurich)")
 
 
@@ -37,11 +48,19 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError("--test-set belongs to --cell")
     if args.depth is not None and (args.depth < 0 or args.cell is not None):
         raise UsageError(f"--depth {args.depth}: expected 0 or more jobs, and no --cell")
+    if args.crate is not None and args.cell is not None:
+        raise UsageError("--crate is of a result, not of a --cell")
+    if re.fullmatch(r"[0-9]{4}-[0-9]{2}-[0-9]{2}", args.date) is None:
+        raise UsageError(f"--date {args.date}: expected year, month and day, e.g. 2026-11-24")
     params = load(args.params)
     lineage = Lineage({name: root(params, name) for name in DATASETS})
     if args.cell is not None:
         cell = trace_cell(lineage, args.test_set or "foggy_zurich", *args.cell)
         print(json.dumps(cell, indent=1) if args.json else "\n".join(cell_lines(cell)))
+        return
+    if args.crate is not None:
+        jobs = write_crate(lineage, args.path.as_posix(), args.crate, args.date)
+        print(f"trace: {args.crate} tells of {args.path} and the {jobs} jobs behind it")
         return
     tree = lineage.tree(args.path.as_posix(), args.depth)
     print(json.dumps(tree, indent=1) if args.json else "\n".join(lines(tree)))
