@@ -1,6 +1,9 @@
 """What a job reads of the params is told to Snakemake, to DVC and in its run record: the same each time."""
 
 import json
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,3 +84,20 @@ def test_dvc_is_told_more_than_a_job_reads_only_where_it_cannot_be_told_less(sna
     # dvc.yaml cannot choose params by the item of a list, nor a part of the entries of a list.
     assert {word for word, keys in more.items() if keys} == {"scenes", "figures"}
     assert more["figures"] == {"tables"}
+
+
+def test_no_table_is_made_of_scores_that_someone_altered(snakemake: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "clone"
+    shutil.copytree(snakemake, folder)
+    metrics = "results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json"
+    scores = json.loads((folder / metrics).read_text())
+    scores["mean_iou"]["annotated"] = 99.0
+    (folder / metrics).write_text(json.dumps(scores))
+    table = "results/tables/foggy_zurich.csv"
+    call = [sys.executable, "-m", "snakemake", table, "--cores", "1", "--configfile", "params/smoke.yaml"]
+    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode != 0
+    told = (folder / "results/logs/tables/foggy_zurich.log").read_text()
+    assert f"{metrics}: is not what its step wrote" in told
+    assert "Make it again: foggy evaluate --network bisenet --row C --seed 0 --test-set foggy_zurich" in told
+    assert not (folder / table).exists()
