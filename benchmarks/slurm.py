@@ -25,7 +25,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
-from clones import PATIENCE, call, clone, free_ports, hashes, table, wait_until
+from clones import PATIENCE, call, clone, free_ports, hashes, stop_in_order, table, wait_until
 
 PROGRAMS = ("munged", "mariadbd", "mariadb-install-db", "slurmdbd", "slurmctld", "slurmd", "sacctmgr")
 INSTALL = "apt-get install --no-install-recommends slurm-wlm slurmdbd mariadb-server munge"
@@ -253,6 +253,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--keep", action="store_true", help="leave the temporary folder")
     options = parser.parse_args()
+    stop_in_order()
     missing = [name for name in PROGRAMS if shutil.which(name) is None]
     if missing:
         raise SystemExit(f"{', '.join(missing)} not found. On Debian: {INSTALL}")

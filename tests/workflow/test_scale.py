@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 import scale
-from engines import clone, hashes, run
+from dvc.utils.hydra import apply_overrides
+from engines import ROOT, clone, hashes, run
+
+from foggy_synscapes.params import load
 
 FRAMES = 1000  # two shards of 500
 
@@ -73,7 +76,16 @@ def test_another_clone_reuses_fogged_shards_by_the_run_cache(dvc: Path, tmp_path
     for name in ("params.yaml", ".dvc/config.local"):
         shutil.copy(dvc / name, folder / name)
     subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
-    run(folder, "dvc", "fetch", "--run-cache", "--remote", "store")
-    told = run(folder, "dvc", "repro", "fog@0.005-0000")
+    run(folder, "dvc", "remote", "default", "--local", "store")
+    run(folder, "dvc", "fetch", "--run-cache")
+    told = run(folder, "dvc", "repro", "--pull", "fog@0.005-0000")
     assert "Stage 'fog@0.005-0000' is cached" in told
     assert "Running stage" not in told
+
+
+def test_the_documented_experiment_with_another_beta_passes_the_params(tmp_path: Path) -> None:
+    changes = re.findall(r'-S "([^"]+)"', (ROOT / "docs/scale.md").read_text())
+    shutil.copy(ROOT / "params.yaml", tmp_path / "params.yaml")
+    apply_overrides(str(tmp_path / "params.yaml"), changes)
+    changed = load(tmp_path / "params.yaml")
+    assert changed.fog.betas == ["0.01"] != load(ROOT / "params.yaml").fog.betas
