@@ -209,10 +209,10 @@ class Bench:
         self.note("then dvc repro --pull", done, f"{cached} steps from the cache, {ran} run")
 
     def experiment(self, folder: Path) -> None:
-        """Another beta as a DVC experiment, up to a list of its images."""
+        """Another beta as a DVC experiment, up to one table."""
         changes = [f"subset.{row}.beta='{THINNER}'" for row in ROWS] + [f"fog.betas=['{THINNER}']"]
         options = [word for change in changes for word in ("--set-param", change)]
-        done = self.run(folder, "dvc", "exp", "run", "--name", "thinner", *options, "subset_mixed@FC-FS-498")
+        done = self.run(folder, "dvc", "exp", "run", "--name", "thinner", *options, "tables@foggy_zurich")
         ran = re.findall(r"Running stage '([^']+)'", done.text)
         self.demand(f"fog@{THINNER}-0000" in " ".join(ran), f"the fog of {THINNER} was not made:\n{done.text}")
         self.demand("fog_airlight" not in " ".join(ran), "the airlight was estimated again")
