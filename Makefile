@@ -6,7 +6,7 @@ CORES ?= 2
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main test paper report status sources scale remotes slurm lint lock clean
+.PHONY: main update test reruns reads same-bytes faults promises paper report status sources scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"

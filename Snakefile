@@ -16,6 +16,7 @@ from foggy_synscapes import closure
 from foggy_synscapes import params as parameters
 from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io import lock
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.recorded import select
 
@@ -84,7 +85,7 @@ def code(word):
 
 def versions(word):
     """Versions of the libraries that a command computes with: another one re-runs its jobs."""
-    return json.dumps(VERSIONS[word], sort_keys=True)
+    return " ".join(f"{name}=={version}" for name, version in VERSIONS[word].items())
 
 
 def reads(*keys):
@@ -107,9 +108,20 @@ def memory(megabytes):
     return lambda wildcards, attempt: attempt * megabytes
 
 
+# Jobs know by this that the lock of this folder is held for them.
+os.environ[lock.HELD] = "snakemake"
+LOCKS = []
+
 # Another run that is under way may be drawing right now; this one will then be refused for its lock.
-if workflow.is_main_process and not any(Path(".snakemake/locks").glob("*")):
+if workflow.is_main_process and lock.is_free():
     check_raw_data()
+
+
+onstart:
+    try:
+        LOCKS.append(lock.hold())
+    except FoggyError as error:
+        raise WorkflowError(str(error))
 
 
 wildcard_constraints:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from foggy_synscapes import __version__
 from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io import lock
 
 # Word, module below foggy_synscapes.stages, what it does. The first group is the pipeline, in its order.
 PIPELINE = {
@@ -60,7 +61,11 @@ def main(arguments: list[str] | None = None) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
+        # What has no --out writes to results/, where the engines do.
+        held = lock.join() if word in PIPELINE and getattr(options, "out", None) is None else None
         stage.run(options)
+        if held is not None:
+            held.close()
         sys.stdout.flush()
     except FoggyError as error:
         if options.debug:

@@ -35,7 +35,8 @@ def libraries(word: str) -> list[str]:
 @cache
 def _reach(start: str) -> frozenset[str]:
     seen: set[str] = set()
-    waiting = [start]
+    parts = start.split(".")
+    waiting = [".".join(parts[:end]) for end in range(len(parts) + 1)]
     while waiting:
         file = _file(waiting.pop())
         if file is not None and file not in seen:

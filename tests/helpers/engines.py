@@ -1,16 +1,20 @@
-"""Clones of this project in which an engine runs the chain on the smallest params."""
+"""Clones of the project, and runs and plans of both engines in them."""
 
 import hashlib
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = (
     "Snakefile",
     "workflow",
+    "profiles",
     "src",
     "params",
     "params.yaml",
@@ -18,7 +22,12 @@ PROJECT = (
     ".dvc/config",
     ".dvcignore",
     ".gitignore",
+    "requirements.lock",
 )
+SMOKE = ("--configfile", "params/smoke.yaml")
+# The profile of this project is quieter than what is read here.
+PLAN = ("--dry-run", "--printshellcmds", "--cores", "1", "--workflow-profile", "none", "--nolock")
+PLAN += ("--max-checksum-file-size", "1000000000000")
 
 
 def clone(folder: Path) -> Path:
@@ -33,11 +42,28 @@ def clone(folder: Path) -> Path:
     return folder
 
 
-def run(folder: Path, module: str, *arguments: str) -> str:
+def for_dvc(folder: Path, params: str = "params/smoke.yaml") -> Path:
+    """Make a clone one that DVC runs with these params."""
+    shutil.copy(folder / params, folder / "params.yaml")
+    subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
+    return folder
+
+
+def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
+    """The environment of a run in a clone: that of this Python."""
+    values = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    return {**values, **(changes or {})}
+
+
+def own_sources(folder: Path) -> dict[str, str]:
+    """What makes a run in a clone use the clone's sources instead of this project's."""
+    return {"PYTHONPATH": str(folder / "src")}
+
+
+def run(folder: Path, module: str, *arguments: str, changes: Mapping[str, str] | None = None) -> str:
     """Run an engine of this environment in a folder; its output, also where it fails, which is an error."""
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     call = [sys.executable, "-m", module, *arguments]
-    result = subprocess.run(call, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    result = subprocess.run(call, cwd=folder, env=environment(changes), capture_output=True, text=True, check=False)
     logs = [] if result.returncode == 0 else sorted((folder / "results/logs").rglob("*.log"))
     told = "".join(
         f"\n--- {log}\n{log.read_text()}" for log in logs if "Error" in log.read_text() or "foggy " in log.read_text()
@@ -54,4 +80,36 @@ def hashes(folder: Path) -> dict[str, str]:
         if path.is_file()
         and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks")
         and path.name not in (".gitignore", ".snakemake_timestamp")
+    }
+
+
+def job(command: str) -> str:
+    """Short name of a job: the words of its command without options' names, e.g. `fog 0.005 0000`.
+
+    >>> job("foggy train --network bisenet --row C --seed 0 --params params/smoke.yaml")
+    'train bisenet C 0'
+    """
+    words = shlex.split(re.sub(r" --params \S+", "", command))[1:]
+    return " ".join(word.removeprefix("--") for word in words if word == "--airlight" or not word.startswith("--"))
+
+
+def planned(folder: Path, *options: str) -> dict[str, tuple[frozenset[str], frozenset[str], str]]:
+    """Jobs that Snakemake would run, each with its inputs, its outputs and its command."""
+    told = run(folder, "snakemake", *PLAN, *options, *SMOKE, changes=own_sources(folder))
+    jobs = {}
+    for block in re.split(r"\n(?=(?:local)?rule )", told):
+        command = re.search(r"^Shell command: (foggy .*?)(?= > )", block, re.MULTILINE)
+        if command:
+            paths = [
+                frozenset(re.search(rf"^ +{name}: (.*)$", block, re.MULTILINE)[1].split(", "))
+                for name in ("input", "output")
+            ]
+            jobs[job(command[1])] = (paths[0], paths[1], command[1])
+    return jobs
+
+
+def ran(told: str) -> set[str]:
+    """Jobs that an engine started, from what it printed."""
+    return {
+        job(command) for command in re.findall(r"^\s*(?:Shell command: |> )(foggy .*?)(?= > |$)", told, re.MULTILINE)
     }

@@ -1,11 +1,9 @@
 """The chain on the smallest params, run once by each engine for all tests that look at what it made."""
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
-from engines import clone, run
+from engines import clone, for_dvc, run
 
 
 @pytest.fixture(scope="session")
@@ -18,9 +16,8 @@ def snakemake(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def dvc(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A clone in which DVC ran the chain."""
-    folder = clone(tmp_path_factory.mktemp("clone"))
-    shutil.copy(folder / "params/smoke.yaml", folder / "params.yaml")
-    subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
-    run(folder, "dvc", "repro")
+    """A clone in which DVC ran the chain, elsewhere: in another time zone, language and order of hashes."""
+    folder = for_dvc(clone(tmp_path_factory.mktemp("clone of another user")))
+    elsewhere = {"TZ": "Pacific/Chatham", "LANG": "C", "LC_ALL": "C", "PYTHONHASHSEED": "4"}
+    run(folder, "dvc", "repro", changes=elsewhere)
     return folder

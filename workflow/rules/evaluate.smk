@@ -37,7 +37,6 @@ rule evaluate:
         versions=versions("evaluate"),
         reads=lambda wildcards: reads(
             "evaluate.threads",
-            f"scenes.roots.{wildcards.test_set}",
             "scenes.zurich_list",
         )(wildcards),
     shell:

@@ -26,7 +26,6 @@ def figure_reads(figure):
     if figure in ("beta_strip", "fc_against_fs"):
         return [
             "fog.geometry",
-            "scenes.roots",
             "scenes.refined_list",
             "scenes.shards",
         ]

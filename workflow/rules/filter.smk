@@ -16,6 +16,6 @@ rule filter:
         runtime=60,
     params:
         versions=versions("filter"),
-        reads=reads("filter", "scenes.roots.synscapes", "scenes.shards"),
+        reads=reads("filter", "scenes.shards"),
     shell:
         "foggy filter{PARAMS_OPTION} > {log:q} 2>&1"

@@ -1,7 +1,6 @@
 AIRLIGHT_READS = (
     "fog.frames",
     "fog.blue_airlight",
-    "scenes.roots.synscapes",
     "scenes.shard_frames",
 )
 

@@ -22,7 +22,7 @@ def subset_reads(row):
     kind = PARAMS.subset.kind(row)
     keys = [f"subset.{kind}.{row}"]
     if kind in ("partial", "mixed"):
-        keys += ["scenes.roots.foggy_cityscapes", "scenes.refined_list"]
+        keys += ["scenes.refined_list"]
     return keys + (["scenes.shards"] if kind in ("pure", "mixed") else [])
 
 

@@ -8,10 +8,7 @@ def train_reads(network, row):
     keys = [f"{network}.{key}" for key in ["backbone", "width", "decoder", *own]]
     keys += ["threads", "device", "precision", "memory_format", "compile", "curve"]
     keys += [f"rows.{row}"]
-    datasets = ["synscapes", "cityscapes", "foggy_cityscapes"]
-    return [f"train.{key}" for key in keys] + [
-        f"scenes.roots.{name}" for name in datasets
-    ]
+    return [f"train.{key}" for key in keys]
 
 
 def start_weights(network, row):

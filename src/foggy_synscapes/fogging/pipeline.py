@@ -26,7 +26,7 @@ from foggy_synscapes.recorded import recorded
 FOLDER = Path("results/fog")
 KEPT = Path("results/filter/kept.csv")
 COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
-AIRLIGHT_PARAMS = ("fog.frames", "fog.blue_airlight", "scenes.roots.synscapes", "scenes.shard_frames")
+AIRLIGHT_PARAMS = ("fog.frames", "fog.blue_airlight", "scenes.shard_frames")
 FOG_PARAMS = (*AIRLIGHT_PARAMS, "fog.geometry", "fog.png_level", "fog.render")
 ON_THE_FLY = "on_the_fly"
 

@@ -145,7 +145,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     write_run(
         folder / "run.json",
         command=["foggy", "evaluate", "--network", network, "--row", row, "--seed", seed, "--test-set", test_set],
-        params=recorded(params, "evaluate.threads", f"scenes.roots.{test_set}", "scenes.zurich_list"),
+        params=recorded(params, "evaluate.threads", "scenes.zurich_list"),
         inputs=inputs,
         outputs=[folder / "metrics.json", folder / "predictions.tar"],
     )

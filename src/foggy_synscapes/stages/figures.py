@@ -42,7 +42,7 @@ TEST_SETS = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich", "
 OF_TEST_SET = ("predictions", "class_change", "confusion")
 NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
 RUNS = ("train.networks", "train.seeds", "train.from_weights", "train.from_baseline", "tables.rows.row")
-OF_FRAMES = ("fog.geometry", "scenes.roots", "scenes.refined_list", "scenes.shards")
+OF_FRAMES = ("fog.geometry", "scenes.refined_list", "scenes.shards")
 # Params that each kind of figure reads beside its own section.
 READ = {
     "beta_strip": OF_FRAMES,

@@ -58,7 +58,7 @@ def filter(params: Params) -> None:
     write_run(
         FOLDER / "run.json",
         command=["foggy", "filter"],
-        params=recorded(params, "filter", "scenes.roots.synscapes", "scenes.shards"),
+        params=recorded(params, "filter", "scenes.shards"),
         inputs=inputs,
         outputs=outputs,
     )

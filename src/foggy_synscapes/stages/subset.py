@@ -18,7 +18,7 @@ HELP = "List the images and labels that a row of the tables trains on and is val
 FOLDER = Path("results/subset")
 COLUMNS = ("image", "image_sha256", "label", "label_sha256")
 KEPT = Path("results/filter/kept.csv")
-REFINED = ("scenes.roots.foggy_cityscapes", "scenes.refined_list")
+REFINED = ("scenes.refined_list",)
 # Params that each kind of list reads beside its own entry.
 READ = {"clear": (), "partial": REFINED, "pure": ("scenes.shards",), "mixed": (*REFINED, "scenes.shards")}
 

@@ -324,7 +324,7 @@ def _record(params: Params, network: str, row: str) -> dict[str, Any]:
     own = ["fine_tuning"] if row in params.train.from_baseline else ["baseline", "weights"]
     keys = ["threads", "device", "precision", "memory_format", "compile", "curve", f"rows.{row}"]
     keys += [f"{network}.{key}" for key in ("backbone", "width", "decoder", *own)]
-    return recorded(params, *(f"train.{key}" for key in keys), *(f"scenes.roots.{dataset}" for dataset in DATASETS))
+    return recorded(params, *(f"train.{key}" for key in keys))
 
 
 def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:

@@ -1,0 +1,62 @@
+"""Whether each step reads what it declares, and nothing else: `make reads`.
+
+    python benchmarks/reads.py [--only TEXT] [--clones DIR]
+
+Jobs of a finished smoke run are run once more under an audit hook of Python, worker processes included. It fails on any
+file opened that is not a declared input, named with its hash by a declared list or index, an output of the same job,
+the params file or part of an installed package; on use of the network or of other programs; and on any declared source
+file that no job of its step imports.
+"""
+
+import argparse
+import sys
+import tempfile
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+
+from engines import SMOKE, clone, own_sources, planned, run
+from reads import undeclared, watch
+
+from foggy_synscapes import closure
+
+# What other rows do, too, is looked at once.
+JOBS = ("scenes *", "filter", "fog *", "subset *", "train * C 0", "train bisenet FC-FS-498 0", "evaluate bisenet C 0 *")
+JOBS += ("tables *", "figures *", "stability")
+
+
+def main() -> int:
+    """Print a line for each job; 1 where one reads what it does not declare, or declares what it never imports."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", default="", metavar="TEXT", help="only jobs whose name holds this text")
+    parser.add_argument(
+        "--clones", type=Path, metavar="DIR", help="folder for the finished run, kept for the next time"
+    )
+    options = parser.parse_args()
+    failed, imported = 0, {}
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = (options.clones or Path(scratch)) / "snakemake"
+        if not folder.exists():
+            run(clone(folder), "snakemake", "--cores", "2", *SMOKE, changes=own_sources(folder))
+        for name, (inputs, outputs, command) in sorted(planned(folder, "--forceall").items()):
+            if options.only not in name or not any(fnmatchcase(name, pattern) for pattern in JOBS):
+                continue
+            reads = watch(folder, command)
+            problems = undeclared(folder, command, inputs, outputs, SMOKE[1], reads)
+            imported.setdefault(name.split()[0], set()).update(reads.modules)
+            print(f"{name}: {len(reads.files)} files read, {len(problems)} not declared", flush=True)
+            for problem in problems:
+                print(f"    {problem}", flush=True)
+            failed += bool(problems)
+    for word, modules in imported.items():
+        never = [name for name in closure.sources(word) if name.endswith(".py") and name not in modules]
+        if never and not options.only:
+            print(f"{word}: declares but never imports {', '.join(never)}")
+            failed += 1
+    print(f"{failed} of {len(imported)} steps or their jobs are not as declared" if failed else "all as declared")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

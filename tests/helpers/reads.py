@@ -1,0 +1,114 @@
+"""What a job really reads, beside what it declares to the engines."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from engines import environment
+
+from foggy_synscapes import closure
+from foggy_synscapes.datasets.index import CACHE
+from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.params import STAND_IN, load
+
+HELPERS = Path(__file__).resolve().parent
+ENTRY = {"cli.py", "__main__.py"}
+"""They find the command and show its errors; no result passes through them."""
+# The interpreter, installed packages and what the operating system says of itself.
+SYSTEM = {sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), "/usr", "/lib", "/etc", "/proc", "/sys", "/dev"}
+
+
+@dataclass
+class Reads:
+    """What a job did: files and folders read, other things done, modules of the project imported."""
+
+    files: set[Path] = field(default_factory=set)
+    folders: set[Path] = field(default_factory=set)
+    other: set[str] = field(default_factory=set)
+    modules: set[str] = field(default_factory=set)
+
+
+def watch(folder: Path, command: str) -> Reads:
+    """Run a job's command in a clone and write down what it reads, worker processes included."""
+    reads = Reads()
+    with tempfile.TemporaryDirectory() as notes:
+        paths = os.pathsep.join([str(HELPERS / "audit"), str(folder / "src")])
+        changes = environment({"PYTHONPATH": paths, "FOGGY_AUDIT": notes})
+        call = [sys.executable, "-m", "foggy_synscapes", *shlex.split(command)[1:]]
+        result = subprocess.run(call, cwd=folder, env=changes, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, f"{command}: {result.stderr[-2000:]}"
+        for note in sorted(Path(notes).glob("*.jsonl")):
+            for line in note.read_text(encoding="utf-8").splitlines():
+                kind, value = json.loads(line)
+                if kind == "module":
+                    reads.modules.add(Path(value).relative_to(folder / "src/foggy_synscapes").as_posix())
+                elif kind in ("file", "folder"):
+                    (reads.files if kind == "file" else reads.folders).add(Path(value))
+                else:
+                    reads.other.add(f"{kind}: {value}")
+    return reads
+
+
+def undeclared(
+    folder: Path, command: str, inputs: Iterable[str], outputs: Iterable[str], params: str, reads: Reads
+) -> list[str]:
+    """A line for each thing that a job reads and does not declare."""
+    inputs, outputs = list(inputs), list(outputs)
+    word = shlex.split(command)[1]
+    allowed = {folder / path for path in (*inputs, *outputs, params)} | _listed(folder, inputs, params)
+    sources = {folder / "src/foggy_synscapes" / name for name in {*closure.sources(word), *ENTRY}}
+    # What a job writes beside its outputs, to go on after an interruption, is its own.
+    rooms = [(folder / path).parent for path in outputs]
+    if word == "scenes":
+        dataset = shlex.split(command)[shlex.split(command).index("--dataset") + 1]
+        rooms += [folder / "results/scenes" / dataset, folder / CACHE]
+    problems = [
+        f"reads {path}" for path in sorted(reads.files) if not _is_declared(path, allowed, sources, rooms, folder)
+    ]
+    problems += [
+        f"lists {path}"
+        for path in sorted(reads.folders)
+        if path.is_relative_to(folder / "results") and not any(path.is_relative_to(room) for room in rooms)
+    ]
+    imported = reads.modules - set(closure.sources(word)) - ENTRY
+    return problems + sorted(reads.other) + [f"imports {name}" for name in sorted(imported)]
+
+
+def _is_declared(path: Path, allowed: set[Path], sources: set[Path], rooms: list[Path], folder: Path) -> bool:
+    if path in allowed or any(path.is_relative_to(place) for place in SYSTEM):
+        return True
+    if path.is_relative_to(folder / "src"):
+        if path.parent.name == "__pycache__":  # compiled by Python, or by Numba as KERNEL.function-LINE.py311.nbi
+            path = path.parent.parent / f"{path.name.split('.')[0]}.py"
+        return path in sources or "egg-info" in str(path)
+    if path.is_relative_to(folder):
+        if path.is_dir():
+            return path in rooms  # opened to be synced after a file in it was written
+        hidden = any(part.startswith(".") for part in path.relative_to(folder).parts) or "snapshot" in path.name
+        return any(path.is_relative_to(room) for room in rooms) and (hidden or "scenes" in path.parts)
+    return path.is_relative_to(tempfile.gettempdir()) or path.is_relative_to(HELPERS / "audit")
+
+
+def _listed(folder: Path, inputs: Iterable[str], params: str) -> set[Path]:
+    """Files that declared indexes and lists name, with the hash of their content."""
+    roots = load(folder / params).scenes.roots.model_dump()
+    homes = {name: folder / ("results/scenes/" + name if root == STAND_IN else root) for name, root in roots.items()}
+    found = set()
+    for path in inputs:
+        parts = Path(path).parts
+        if parts[:3] == ("results", "scenes", "index") and path.endswith(".csv"):
+            found |= {homes[parts[3]] / line["path"] for line in read_csv(folder / path)}
+        elif parts[:2] == ("results", "subset"):
+            for line in read_csv(folder / path):
+                for uri in (line["image"], line["label"]):
+                    scheme, _, place = uri.partition(":")
+                    base = folder / "results/fog" if scheme == "fog" else homes[scheme]
+                    found.add(base / place.partition("#")[0])
+    return found
