@@ -3,6 +3,7 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CORES ?= 2
+KILLS ?= 50
 BIN := .venv/bin
 READY := .venv/.ready
 
@@ -12,6 +13,29 @@ main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
 	@$(BIN)/snakemake --cores $(CORES)
 	@echo "== Done. Tables: results/tables   Figures: results/figures   How each was made: the .run.json beside it"
+
+# After a change: step by step, so that what came out as it was stops there; `snakemake` alone runs all that follows.
+update: $(READY)
+	@$(BIN)/python workflow/waves.py --cores $(CORES)
+
+# The promises of docs/promises.md, tested at length (about an hour on two idle cores; the tests hold a short form).
+promises: reruns faults
+
+# What each of some thirty changes makes run again on both engines; with `--run`, also what then really runs.
+reruns: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reruns.py
+
+# Whether each step reads what it declares and nothing else.
+reads: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reads.py
+
+# Whether clean runs give the same bytes on other cores, in other folders, time zones and languages.
+same-bytes: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/same_bytes.py
+
+# Kills at random moments (KILLS of them), a full disk, no memory, a wrong clock, two engines at once; as root, for mounts.
+faults: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/faults.py --kills $(KILLS)
 
 test: $(READY)
 	@echo "== The tests: pytest"

@@ -8,6 +8,7 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Iterable
+from contextlib import chdir
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,12 +16,13 @@ from engines import environment
 
 from foggy_synscapes import closure
 from foggy_synscapes.datasets.index import CACHE
+from foggy_synscapes.io.runs import record_of
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import STAND_IN, load
 
 HELPERS = Path(__file__).resolve().parent
-ENTRY = {"cli.py", "__main__.py"}
-"""They find the command and show its errors; no result passes through them."""
+ENTRY = {"cli.py", "__main__.py", "io/lock.py"}
+"""They find the command, keep others away and show errors; no result passes through them."""
 # The interpreter, installed packages and what the operating system says of itself.
 SYSTEM = {sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), "/usr", "/lib", "/etc", "/proc", "/sys", "/dev"}
 
@@ -63,6 +65,9 @@ def undeclared(
     inputs, outputs = list(inputs), list(outputs)
     word = shlex.split(command)[1]
     allowed = {folder / path for path in (*inputs, *outputs, params)} | _listed(folder, inputs, params)
+    # What is declared is checked against the record that its maker wrote.
+    with chdir(folder):
+        allowed |= {folder / record_of(Path(path)) for path in inputs if path.startswith("results/")}
     sources = {folder / "src/foggy_synscapes" / name for name in {*closure.sources(word), *ENTRY}}
     # What a job writes beside its outputs, to go on after an interruption, is its own.
     rooms = [(folder / path).parent for path in outputs]
@@ -93,6 +98,9 @@ def _is_declared(path: Path, allowed: set[Path], sources: set[Path], rooms: list
             return path in rooms  # opened to be synced after a file in it was written
         hidden = any(part.startswith(".") for part in path.relative_to(folder).parts) or "snapshot" in path.name
         return any(path.is_relative_to(room) for room in rooms) and (hidden or "scenes" in path.parts)
+    # Matplotlib keeps a list of the fonts that it found; the font of the figures is the one that comes with it.
+    if path.name.startswith("fontlist-"):
+        return True
     return path.is_relative_to(tempfile.gettempdir()) or path.is_relative_to(HELPERS / "audit")
 
 

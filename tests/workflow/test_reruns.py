@@ -9,7 +9,7 @@ from plans import compare_plans
 from reads import undeclared, watch
 
 pytestmark = pytest.mark.xdist_group("chain")
-# The other changes of the table in tests/helpers/changes.py are gone through by `make reruns`, other jobs by `make reads`.
+# `make reruns` goes through the other changes of the table in tests/helpers/changes.py, `make reads` through all jobs.
 RERUNS = ("a beta added, for FS-498", "a comment in the code of a table", "a table altered by hand")
 READS = ("filter", "subset FC-FS-498", "tables foggy_zurich")
 
