@@ -1,5 +1,6 @@
 """Atomic files, shards, manifests, tables, indexes and URIs: nothing half-written, nothing outside its folder."""
 
+import os
 import tarfile
 from pathlib import Path
 
@@ -116,6 +117,15 @@ def test_a_file_of_unchanged_size_and_time_is_not_read_again(dataset: Path, monk
     monkeypatch.setattr(index, "sha256", lambda path: read.append(path.name) or "0" * 64)
     index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
     assert read == ["b.png"]
+
+
+def test_a_file_has_changed_if_its_content_has_and_not_if_only_its_time_has(dataset: Path) -> None:
+    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    os.utime(dataset / "b.png", (1, 1))
+    assert index.changed_since_listed("demo/all", dataset) == []
+    write_bytes(dataset / "b.png", b"B.png")
+    (dataset / "a/c.png").unlink()
+    assert index.changed_since_listed("demo/all", dataset) == ["a/c.png", "b.png"]
 
 
 def test_a_missing_file_or_one_outside_the_root_cannot_be_listed(dataset: Path, tmp_path: Path) -> None:

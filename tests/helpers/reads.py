@@ -95,7 +95,8 @@ def _is_declared(path: Path, allowed: set[Path], sources: set[Path], rooms: list
         return path in sources or "egg-info" in str(path)
     if path.is_relative_to(folder):
         if path.is_dir():
-            return path in rooms  # opened to be synced after a file in it was written
+            # Opened to be synced after a file in it was written; what is listed is another event.
+            return any(path.is_relative_to(room) for room in rooms)
         hidden = any(part.startswith(".") for part in path.relative_to(folder).parts) or "snapshot" in path.name
         return any(path.is_relative_to(room) for room in rooms) and (hidden or "scenes" in path.parts)
     # Matplotlib keeps a list of the fonts that it found; the font of the figures is the one that comes with it.

@@ -74,13 +74,26 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
 
 
 def changed_since_listed(name: str, root: Path) -> list[str]:
-    """Files of an index that are missing or whose size or modification time is another than when they were listed.
+    """Files of an index that are missing or have another content than when they were listed.
 
-    Nothing is read but times and sizes; an index that was not made on this machine cannot be judged and gives [].
+    Only files whose size or modification time is another are read. An index that was not made on this machine cannot
+    be judged so and gives [].
     """
-    cache = _read_cache(CACHE / f"{name}.json") if index_path(name).is_file() else {}
-    # Not the inode: a copy of the folder that kept its times is as good.
-    return [path for path, known in sorted(cache.items()) if _stamp(root / path)[:2] != known[0][:2]]
+    cache_path = CACHE / f"{name}.json"
+    cache = _read_cache(cache_path) if index_path(name).is_file() else {}
+    changed, touched = [], False
+    for path, (stamp, digest) in sorted(cache.items()):
+        found = _stamp(root / path)
+        # Not the inode: a copy of the folder that kept its times is as good.
+        if found[:2] == stamp[:2]:
+            continue
+        if found[:1] != stamp[:1] or sha256(root / path) != digest:
+            changed.append(path)
+        else:
+            cache[path], touched = [found, digest], True
+    if touched:
+        write_text(cache_path, json.dumps(cache))
+    return changed
 
 
 def _stamp(file: Path) -> list[int]:
