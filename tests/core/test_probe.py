@@ -15,16 +15,10 @@ from foggy_synscapes.training import probe
 from foggy_synscapes.training.forward import Arithmetic
 from foggy_synscapes.training.ranks import ALONE
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 EXACT, SHORT = Arithmetic(precision="float32"), Arithmetic(precision="bfloat16")
 PLAIN = Arithmetic(memory_format="contiguous")
-
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 class Samples:

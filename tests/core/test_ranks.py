@@ -16,6 +16,8 @@ from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
 from foggy_synscapes.training.ranks import ALONE, Ranks, RanksError
 from foggy_synscapes.training.shared import share
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 PLAN = loop.Plan(steps=6, validate_every=3, curve_every=1, snapshot_every=2, seed=5, workers=0)
 BISENET = NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=4)
 REFINENET = NetworkConfig("refinenet", "resnet18", width=4, decoder=4, classes=4, auxiliary=False)
@@ -39,14 +41,6 @@ class Samples:
 
     def name(self, index):
         return f"image {index}"
-
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def train(ranks, config, policy, snapshot=None, settings=None):
