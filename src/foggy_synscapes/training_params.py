@@ -93,7 +93,7 @@ class NetworkSettings(Section):
     """Shape and policies of one network."""
 
     backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"]
-    width: Annotated[int, Field(ge=4)]
+    width: Annotated[int, Field(ge=8)]  # networks.config.NARROWEST, which not every command has to depend on
     decoder: Annotated[int, Field(ge=4)]
     weights: str
     baseline: BaselinePolicy | None

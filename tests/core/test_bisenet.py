@@ -9,7 +9,7 @@ from foggy_synscapes.networks import PUBLISHED, NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import multiply_adds, parameters
 
-TINY = NetworkConfig("bisenet", "resnet18", width=4, decoder=4)
+TINY = NetworkConfig("bisenet", "resnet18", width=8, decoder=4)
 
 
 @pytest.mark.parametrize(

@@ -198,5 +198,5 @@ def test_part_of_a_network_is_no_model_and_must_fit():
     data = dump_tensors(found.tensors, found.config, found.preprocessing, found.part)
     with pytest.raises(ValueError, match="part of a network"):
         load_model(data)
-    with pytest.raises(ValueError, match="width 4, wanted 8"):
-        load_start(data, NetworkConfig("bisenet", "resnet18", 8, DECODER))
+    with pytest.raises(ValueError, match="width 8, wanted 16"):
+        load_start(data, NetworkConfig("bisenet", "resnet18", 16, DECODER))

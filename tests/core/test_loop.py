@@ -15,8 +15,8 @@ from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 
-BISENET = NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=4)
-REFINENET = NetworkConfig("refinenet", "resnet18", width=4, decoder=4, classes=4, auxiliary=False)
+BISENET = NetworkConfig("bisenet", "resnet18", width=8, decoder=4, classes=4)
+REFINENET = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, classes=4, auxiliary=False)
 POLICY = replace(policies.POLICY, learning_rate=0.05, batch=2, new_layer_rate=2.0)
 PLAN = loop.Plan(steps=10, validate_every=4, curve_every=3, snapshot_every=1, seed=5, workers=0)
 

@@ -12,7 +12,7 @@ from foggy_synscapes.training.policy import parameter_groups, set_training
 
 @pytest.fixture
 def network():
-    return build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4))
+    return build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4))
 
 
 def test_poly_begins_at_the_full_rate_and_ends_above_zero():

@@ -55,7 +55,7 @@ def test_the_faster_layout_is_taken_and_all_figures_are_told(monkeypatch):
 
 
 def test_measuring_leaves_the_network_as_it_was():
-    network = build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4))
+    network = build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4))
     before = dump(network, Preprocessing())
     found, _ = probe.fastest(network, Preprocessing(), policies.POLICY, [EXACT, SHORT], Samples(), 0)
     assert found in (EXACT, SHORT)
@@ -63,7 +63,7 @@ def test_measuring_leaves_the_network_as_it_was():
 
 
 def test_an_arithmetic_whose_loss_is_no_number_takes_for_ever():
-    network = build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4))
+    network = build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4))
     with torch.no_grad():
         network.head.classifier.bias.fill_(math.nan)
     policy = replace(policies.POLICY, loss="cross_entropy")

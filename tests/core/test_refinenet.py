@@ -9,7 +9,7 @@ from foggy_synscapes.networks import PUBLISHED, NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import multiply_adds, parameters
 
-TINY = NetworkConfig("refinenet", "resnet18", width=4, decoder=4, auxiliary=False)
+TINY = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, auxiliary=False)
 
 
 def test_count_of_parameters_is_the_published_one():
@@ -44,7 +44,7 @@ def test_padding_leaves_a_size_that_fits_alone():
 
 
 @pytest.mark.parametrize(
-    ("field", "value"), [("name", "unet"), ("backbone", "vgg16"), ("width", 0), ("decoder", 2), ("classes", 1)]
+    ("field", "value"), [("name", "unet"), ("backbone", "vgg16"), ("width", 7), ("decoder", 2), ("classes", 1)]
 )
 def test_impossible_config_names_the_field(field, value):
     with pytest.raises(ValueError, match=field):

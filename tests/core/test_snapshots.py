@@ -8,7 +8,7 @@ from foggy_synscapes.networks.build import build
 from foggy_synscapes.training import snapshots
 from foggy_synscapes.training.snapshots import Progress, differences
 
-TINY = NetworkConfig("bisenet", "resnet18", width=4, decoder=4)
+TINY = NetworkConfig("bisenet", "resnet18", width=8, decoder=4)
 SETTINGS = {"params": {"learning_rate": 0.01, "crop": (96, 128)}, "inputs": {"train.csv": "ab"}}
 
 
@@ -46,7 +46,7 @@ def test_other_settings_are_refused_and_named(data):
 
 def test_other_width_is_refused(data):
     with pytest.raises(ValueError, match="do not fit"):
-        snapshots.restore(data, *state(NetworkConfig("bisenet", "resnet18", width=8, decoder=4)), SETTINGS)
+        snapshots.restore(data, *state(NetworkConfig("bisenet", "resnet18", width=16, decoder=4)), SETTINGS)
 
 
 def test_half_a_snapshot_is_refused(data):

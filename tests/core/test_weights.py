@@ -11,7 +11,7 @@ from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Preprocessing, dump, load_model
 
-TINY = NetworkConfig("bisenet", "resnet18", width=4, decoder=4)
+TINY = NetworkConfig("bisenet", "resnet18", width=8, decoder=4)
 
 
 def tiny(config=TINY):
@@ -100,11 +100,11 @@ def test_other_class_count_is_named(data):
 def test_weights_of_another_network_are_refused(data):
     from foggy_synscapes.networks.weights import assign_values
 
-    refinenet = build(NetworkConfig("refinenet", "resnet18", width=4, decoder=4, auxiliary=False))
+    refinenet = build(NetworkConfig("refinenet", "resnet18", width=8, decoder=4, auxiliary=False))
     with pytest.raises(ValueError, match="another network"):
         assign_values(refinenet, load_model(data).network.state_dict())
     with pytest.raises(ValueError, match="another width"):
-        assign_values(tiny(replace(TINY, width=8)), load_model(data).network.state_dict())
+        assign_values(tiny(replace(TINY, width=16)), load_model(data).network.state_dict())
 
 
 @pytest.mark.parametrize("bad", [np.zeros((4, 4), np.uint8), np.zeros((4, 4, 4), np.uint8), np.zeros((4, 4, 3))])

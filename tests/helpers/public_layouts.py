@@ -13,7 +13,7 @@ import torch.nn.functional as functional
 from foggy_synscapes.networks.imports import convert
 from foggy_synscapes.networks.weights import dump_tensors, load_model
 
-WIDTH, DECODER, CLASSES = 4, 8, 5
+WIDTH, DECODER, CLASSES = 8, 12, 5
 DEPTHS = {"resnet18": (2, 2, 2, 2), "resnet50": (3, 4, 6, 3), "resnet101": (3, 4, 23, 3)}
 IMAGE = torch.randn(2, 3, 64, 96, generator=torch.Generator().manual_seed(8))
 

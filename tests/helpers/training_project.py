@@ -57,7 +57,7 @@ def project_in(tmp_path, monkeypatch):
     train["rows"]["FC-498"] = {"length": {"epochs": 1}, "validate": {"epochs": 1}}
     for name in ("bisenet", "refinenet"):
         network = train[name]
-        network |= {"width": 4, "decoder": 4}
+        network |= {"width": 8, "decoder": 4}
         network["baseline"] |= {"length": {"iterations": 3}, "validate": {"iterations": 2}}
         for policy in (network["baseline"], network["fine_tuning"]):
             policy |= {"batch": 2, "crop": [32, 32]}

@@ -261,7 +261,7 @@ def model_of(classes: int) -> bytes:
     from foggy_synscapes.networks.weights import Preprocessing, dump
 
     torch.manual_seed(0)
-    return dump(build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4, classes=classes)), Preprocessing())
+    return dump(build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4, classes=classes)), Preprocessing())
 
 
 @pytest.fixture(scope="module")

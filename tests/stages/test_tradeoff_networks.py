@@ -78,7 +78,7 @@ def test_what_was_not_measured_prints_dashes() -> None:
 
 def test_without_the_packages_pytorch_is_measured_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "onnx", None)
-    model = Model(build(NetworkConfig("bisenet", "resnet18", 4, 4)).eval(), Preprocessing())
+    model = Model(build(NetworkConfig("bisenet", "resnet18", 8, 4)).eval(), Preprocessing())
     image, labels = frame(0)
     found = measure("bisenet", model, [(image, labels, "a")], [image], [1.0])
     assert [one.way for one in found] == list(WAYS)
@@ -112,7 +112,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             write_bytes(root / names[-1], encode_png(pixels))
     write_index("cityscapes/all", root, names)
     torch.manual_seed(0)
-    network = build(NetworkConfig("refinenet", "resnet18", 4, 4, auxiliary=False))
+    network = build(NetworkConfig("refinenet", "resnet18", 8, 4, auxiliary=False))
     write_bytes(MODEL, dump(network, Preprocessing()))
     vouch()
     return tmp_path

@@ -153,8 +153,8 @@ def test_a_loss_that_is_no_number_names_the_images(project, capsys):
 
 def test_a_baseline_of_another_width_is_refused(project, capsys):
     assert train() == 0
-    project(("bisenet", "width"), 8)
-    refused(capsys, "model.safetensors", "width 4, wanted 8", row="FC-498")
+    project(("bisenet", "width"), 16)
+    refused(capsys, "model.safetensors", "width 8, wanted 16", row="FC-498")
 
 
 def test_a_missing_baseline_is_named(project, capsys):
@@ -198,7 +198,7 @@ def test_an_imported_backbone_is_a_start(project, capsys):
     from foggy_synscapes.networks import NetworkConfig
     from foggy_synscapes.networks.build import build
 
-    source = build(NetworkConfig("bisenet", "resnet18", width=4, decoder=4)).backbone
+    source = build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4)).backbone
     torch.save(source.state_dict(), "resnet18.pth")
     assert main(["weights", "import", "resnet18.pth", "--network", "bisenet", "--out", "start.safetensors"]) == 0
     assert "backbone of bisenet on resnet18" in capsys.readouterr().out

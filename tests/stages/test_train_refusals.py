@@ -75,7 +75,7 @@ def test_an_unknown_id_is_found_late_in_a_list_that_is_not_kept_in_memory(projec
 
 
 def model(name="bisenet", classes=19):
-    network = build(NetworkConfig(name, "resnet18", width=4, decoder=4, classes=classes, auxiliary=name == "bisenet"))
+    network = build(NetworkConfig(name, "resnet18", width=8, decoder=4, classes=classes, auxiliary=name == "bisenet"))
     return dump(network, Preprocessing())
 
 

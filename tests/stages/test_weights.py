@@ -15,8 +15,8 @@ from foggy_synscapes.networks.layouts import LAYOUTS
 from foggy_synscapes.networks.weights import load_model
 
 SMALL = {
-    "bisenet": NetworkConfig("bisenet", "resnet18", width=4, decoder=4),
-    "refinenet": NetworkConfig("refinenet", "resnet50", width=4, decoder=4, auxiliary=False),
+    "bisenet": NetworkConfig("bisenet", "resnet18", width=8, decoder=4),
+    "refinenet": NetworkConfig("refinenet", "resnet50", width=8, decoder=4, auxiliary=False),
 }
 
 

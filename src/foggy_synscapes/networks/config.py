@@ -11,6 +11,12 @@ BACKBONES: dict[str, tuple[tuple[int, int, int, int], bool]] = {
 }
 
 NETWORKS = ("refinenet", "bisenet")
+NARROWEST = 8
+"""Channels of the first stage at least.
+
+Below 8 the gradient of the 1x1 convolution with stride 2 that follows it is written past the end of its memory on
+processors with AVX2 and no AVX-512: PyTorch 2.13 has oneDNN 3.12, see uxlfoundation/oneDNN issue 6035.
+"""
 STRIDE = 32  # pixels of the input for one of the deepest feature map, in both networks
 
 
@@ -20,7 +26,7 @@ class NetworkConfig:
 
     name : "refinenet" or "bisenet"
     backbone : key of `BACKBONES`
-    width : channels of the backbone's first stage (64 as published; later stages double it)
+    width : channels of the first stage (64 as published; later stages double it), at least 8, see `NARROWEST`
     decoder : refinenet: channels of the three upper levels, the deepest has twice as many (256 as published);
         bisenet: channels of the spatial path's output and of the attention refinement (128 as published)
     classes : number of output classes
@@ -49,7 +55,7 @@ class NetworkConfig:
             raise ValueError(f"variant: {self.variant!r}, expected torchseg or coincheung")
         if self.stride_in not in ("3x3", "1x1"):
             raise ValueError(f"stride_in: {self.stride_in!r}, expected 3x3 or 1x1")
-        for key, least in (("width", 1), ("decoder", 4), ("classes", 2)):
+        for key, least in (("width", NARROWEST), ("decoder", 4), ("classes", 2)):
             value = getattr(self, key)
             if not isinstance(value, int) or value < least:
                 raise ValueError(f"{key}: {value!r}, expected a whole number of at least {least}")
