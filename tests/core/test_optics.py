@@ -15,6 +15,7 @@ from foggy_synscapes.fog.optics import (
     attenuation,
     count_zero_depth,
     foggy_images,
+    foggy_scan_lines,
     meteorological_optical_range,
     transmittance,
     transmittance_images,
@@ -242,7 +243,21 @@ def test_other_arrays_are_refused() -> None:
     with pytest.raises(ValueError, match="airlight: "):
         foggy_images(image, depth, lines, (1, 2), [0.005])
     with pytest.raises(ValueError, match="out: "):
-        foggy_images(image, depth, lines, LIGHT, [0.005], out=np.zeros((2, 11, 16, 3), np.uint8))
+        foggy_scan_lines(image, depth, lines, LIGHT, [0.005], np.zeros((2, 11 * 49), np.uint8))
+    with pytest.raises(ValueError, match="out: "):
+        foggy_scan_lines(image, depth, lines, LIGHT, [0.005], np.zeros((1, 11 * 49 - 1), np.uint8))
+
+
+def test_scan_lines_are_the_differences_of_the_same_images() -> None:
+    image = RNG.integers(0, 256, (11, 16, 3), dtype=np.uint8)
+    depth, out = RNG.random((11, 16), dtype=np.float32) * 300, np.full((3, 11 * 49 + 5), 77, np.uint8)
+    betas = (0, 0.005, 0.06)
+    foggy_scan_lines(image, depth, rays(CAMERA), LIGHT, betas, out)
+    lines = out[:, : 11 * 49].reshape(3, 11, 49)
+    assert (lines[:, :, 0] == 1).all()  # the filter's number
+    pixels = np.cumsum(lines[:, :, 1:].reshape(3, 11, 16, 3), axis=2, dtype=np.uint8)
+    np.testing.assert_array_equal(pixels, foggy_images(image, depth, rays(CAMERA), LIGHT, betas))
+    assert (out[:, 11 * 49 :] == 77).all()
 
 
 def test_views_give_the_same_fog() -> None:

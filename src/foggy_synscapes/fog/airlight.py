@@ -115,15 +115,14 @@ def candidates(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     wanted = dark.size // SHARE
     wanted += (wanted + 1) % 2
-    found: list[tuple[np.ndarray, np.ndarray]] = []
+    found: list[np.ndarray] = []
     level = int(dark.max())
     while wanted > 0:
         per_column = kernel.count(dark, np.uint8(level))
-        # Only as many columns are searched as hold the candidates that are still wanted.
-        last = int(np.searchsorted(np.cumsum(per_column), wanted)) + 1
-        here = np.flatnonzero(per_column[:last])
-        column, row = np.nonzero(dark.T[here] == level)
-        found.append((row[:wanted], here[column[:wanted]]))
-        wanted -= len(found[-1][0])
+        here = np.empty((2, min(wanted, int(per_column.sum()))), np.int64)
+        kernel.find(dark, np.uint8(level), per_column, *here)
+        found.append(here)
+        wanted -= here.shape[1]
         level -= 1
-    return np.concatenate([rows for rows, _ in found]), np.concatenate([columns for _, columns in found])
+    rows, columns = np.concatenate(found, axis=1)
+    return rows, columns

@@ -1,29 +1,38 @@
 """The inner loops of fog, compiled by Numba: all betas of a frame in one pass, exact to the 8-bit level.
 
-Samples are first computed in float32, 16 or 8 at a time, as q = 65536 (255 F + 0.5). The result is the integer
-part floor(q / 65536). Its error against exact arithmetic is below 8 units (0.00012 of a level):
+Samples are first computed in float32, many at a time, as v = 256.5 + F with F from 0 to 255. In that range a float32
+counts in steps of 2^-15, here called units, so the lowest bits of v are, without any conversion, 15 bits of fraction
+and 8 bits of level: floor(F + 0.5). The error of v against exact arithmetic is below 3 units (0.00009 of a level):
   - distance, beta and their product in float32: at most 5 roundings, relative 3.0e-7 of the exponent x, so
-    255 x exp(-x) 3.0e-7 <= 2.8e-5 levels;
-  - exp: polynomial 2.6e-9 and 12 roundings in Horner's scheme, mostly scaled down by f <= 0.5: 255 * 1.2e-7 = 3.1e-5;
-  - product, sum and conversion: 1.5e-5 + 0.8e-5 + 1.5e-5.
-Samples within 8 units of a step, about one in 4,000, are computed again in float64 with the published formula.
-So the result never depends on the width of the processor's vectors, and equals that of plain float64 code.
+    255 x exp(-x) 3.0e-7 <= 2.8e-5 levels, 0.92 units;
+  - exp: polynomial 2.6e-9, the last rounding of Horner's scheme 6.0e-8, the one before it and those of products and
+    coefficients, scaled down by f <= 0.5, 5e-8 together: 255 * 1.1e-7 = 2.8e-5 levels, 0.92 units;
+  - product with the difference of two colours and sum: 0.25 + 0.5 units.
+Samples within 3 units of a step, about one in 5,000, are computed again in float64 with the published formula.
+So the result never depends on the width of the processor's vectors, nor on whether it multiplies and adds in one
+step, and equals that of plain float64 code.
 
 What lies behind an optical depth of 6.25, such as the sky, is the airlight without any work: 255 exp(-6.25) = 0.492 is
 less than half a level, whatever the clear image shows there.
+
+Colours are apart, as planes, as long as they are computed with: mixed, they would have to be sorted for each vector.
 """
 
 import math
 
 import numpy as np
 
-from foggy_synscapes.compiled import compiled
+from foggy_synscapes.compiled import compiled, fused
 
-F = np.float32
-I = np.int32  # noqa: E741 (as F: constants of the width that keeps loops narrow)
+# Constants of the width that keeps loops narrow.
+F, U = np.float32, np.uint32
+I = np.int32  # noqa: E741
 LOG2E = math.log2(math.e)
-UNIT, STEP, WHITE = F(65536), F(32768), F(255 * 65536)
-SHIFT, FRACTION, NEAR, BOTH_SIDES = I(16), I(65535), I(8), I(16)
+HALF_UP = F(256.5)
+# v is taken MARGIN units too high: a sample that may lie on the other side of a step then has a fraction below NEAR.
+MARGIN, NEAR = F(3 * 2.0**-15), U(2 * 3)
+SHIFT, FRACTION = U(15), U(2**15 - 1)
+WHITE = F(255)
 # Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
 ROUNDER, EXPONENT = F(12582912.0), I(23)
 # 2^-60 is 0 beside every other term; below 2^-126 the exponent bits would wrap around.
@@ -32,6 +41,7 @@ LOWEST = F(-60)
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 HIDDEN = F(-6.25 * LOG2E)
+SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
 GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
 
 
@@ -39,6 +49,48 @@ GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
 def _copy(values, out):
     for x in range(values.size):  # an assignment to out[:] takes four times as long
         out[x] = values[x]
+
+
+@compiled
+def _fill(value, out):
+    for x in range(out.size):
+        out[x] = value
+
+
+@compiled
+def _split(pixels, red, green, blue):
+    for x in range(red.size):
+        red[x] = pixels[3 * x]
+        green[x] = pixels[3 * x + 1]
+        blue[x] = pixels[3 * x + 2]
+
+
+@compiled
+def _mix(levels, out):
+    """Planes of colour, uint8 (3, W), as pixels, uint8 (3 W,)."""
+    red, green, blue = levels[0], levels[1], levels[2]
+    for x in range(red.size):
+        out[3 * x] = red[x]
+        out[3 * x + 1] = green[x]
+        out[3 * x + 2] = blue[x]
+
+
+@compiled
+def _mix_filtered(levels, out):
+    """Planes of colour, uint8 (3, W), as a PNG's scan line with the filter Sub, uint8 (1 + 3 W,)."""
+    red, green, blue, steps = levels[0, 1:], levels[1, 1:], levels[2, 1:], out[4:]
+    left_red, left_green, left_blue = levels[0, :-1], levels[1, :-1], levels[2, :-1]
+    out[0], out[1], out[2], out[3] = SUB_FILTER, levels[0, 0], levels[1, 0], levels[2, 0]
+    for x in range(red.size):
+        steps[3 * x] = red[x] - left_red[x]
+        steps[3 * x + 1] = green[x] - left_green[x]
+        steps[3 * x + 2] = blue[x] - left_blue[x]
+
+
+@compiled
+def _differences(levels, light, out):
+    for x in range(levels.size):
+        out[x] = F(levels[x]) - light
 
 
 @compiled
@@ -68,39 +120,40 @@ def _span(exponent, nearest, group):
     return hidden, end
 
 
-@compiled
-def _transmittances(distance, exponent, rounded, integers, out, bits):
-    """exp2(exponent * distance); NaN (infinity times 0) gives 0. `integers`, `bits`: `rounded`, `out` as int32."""
+@fused
+def _transmittances(distance, exponent, out):
+    """exp2(exponent * distance); NaN (infinity times 0) gives 0."""
     for x in range(distance.size):
         e = exponent * distance[x]
         e = e if e >= LOWEST else LOWEST
-        rounded[x] = e + ROUNDER
-        f = e - (rounded[x] - ROUNDER)
-        out[x] = (((((C6 * f + C5) * f + C4) * f + C3) * f + C2) * f + C1) * f + C0
-    for x in range(distance.size):  # times 2^integer: the integer is added to the exponent's bits
-        bits[x] += integers[x] << EXPONENT
+        rounded = e + ROUNDER
+        f = e - (rounded - ROUNDER)
+        power = (((((C6 * f + C5) * f + C4) * f + C3) * f + C2) * f + C1) * f + C0
+        # times 2^integer: the integer is added to the exponent's bits
+        bits = np.float32(power).view(np.int32) + (np.float32(rounded).view(np.int32) << EXPONENT)
+        out[x] = np.int32(bits).view(np.float32)
 
 
-@compiled
-def _composite(t, red, green, blue, light, out, flags):
-    """q = light + t difference for three channels; `out` gets the levels, `flags` the pixels close to a step."""
+@fused
+def _composite(t, reds, greens, blues, bases, red, green, blue, flags):
+    """v = base + t difference for three channels; `red` ... get the levels, `flags` the pixels close to a step."""
     for x in range(t.size):
-        r = I(light[0] + t[x] * red[x])
-        g = I(light[1] + t[x] * green[x])
-        b = I(light[2] + t[x] * blue[x])
-        out[3 * x] = np.uint8(r >> SHIFT)
-        out[3 * x + 1] = np.uint8(g >> SHIFT)
-        out[3 * x + 2] = np.uint8(b >> SHIFT)
-        nearest = min((r + NEAR) & FRACTION, min((g + NEAR) & FRACTION, (b + NEAR) & FRACTION))
-        flags[x] = np.uint8(nearest < BOTH_SIDES)
+        r = np.float32(bases[0] + t[x] * reds[x]).view(np.uint32)
+        g = np.float32(bases[1] + t[x] * greens[x]).view(np.uint32)
+        b = np.float32(bases[2] + t[x] * blues[x]).view(np.uint32)
+        red[x] = np.uint8(r >> SHIFT)
+        green[x] = np.uint8(g >> SHIFT)
+        blue[x] = np.uint8(b >> SHIFT)
+        flags[x] = np.uint8(min(r & FRACTION, min(g & FRACTION, b & FRACTION)) < NEAR)
 
 
-@compiled
+@fused
 def _quantize(t, out, flags):
+    base = HALF_UP + MARGIN
     for x in range(t.size):
-        q = I(t[x] * WHITE + STEP)
-        out[x] = np.uint8(q >> SHIFT)
-        flags[x] = np.uint8(((q + NEAR) & FRACTION) < BOTH_SIDES)
+        v = np.float32(base + t[x] * WHITE).view(np.uint32)
+        out[x] = np.uint8(v >> SHIFT)
+        flags[x] = np.uint8((v & FRACTION) < NEAR)
 
 
 @compiled
@@ -109,6 +162,18 @@ def _any(words, start):
     for i in range(start, start + WORDS):
         together |= words[i]
     return together != 0
+
+
+@compiled
+def _flagged(flags, words, first, last, found):
+    count = 0
+    for word in range(np.uint64(first // 8), np.uint64((last + 7) // 8), np.uint64(4)):
+        w = np.int64(word)
+        if words[word] | words[word + np.uint64(1)] | words[word + np.uint64(2)] | words[word + np.uint64(3)]:
+            for x in range(8 * w, min(8 * w + 32, last)):
+                found[count] = x
+                count += flags[x]
+    return count
 
 
 @compiled
@@ -129,93 +194,95 @@ class _Scratch:
         self.geometry = rows, columns, scale, (rows / scale).astype(F), (columns / scale).astype(F)
         # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
         self.fog = betas, np.maximum(-betas * LOG2E, -3e38).astype(F)
-        distance, rounded, t = np.empty((3, width), F)
-        self.transmittance = distance, rounded, rounded.view(I), t, t.view(I)
         groups = (width + GROUP - 1) // GROUP
+        distance, nearest = np.empty(width, F), np.empty(groups, F)
+        self.distance = distance, distance.view(I), nearest, nearest.view(I), np.empty(width, F)
         flags = np.zeros(groups * GROUP, np.uint8)
-        nearest = np.empty(groups, F)
-        self.flags = flags, flags.view(np.int64), distance.view(I), nearest, nearest.view(I)
+        self.flags = flags, flags.view(np.int64), np.empty(width + 1, np.int64)
 
 
-def render(image, depth, rows, columns, scale, betas, airlight, foggy) -> None:
+def render(image, depth, rows, columns, scale, betas, airlight, out, filtered) -> None:
     """Fog on one image at each beta.
 
     image : uint8 (H, W, 3); depth : float32 (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
-    betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,); foggy : uint8 (B, H, W, 3), written
+    betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,)
+    out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
     """
     height, width = depth.shape
     scratch = _Scratch(rows, columns, scale, betas)
-    light = UNIT * airlight.astype(F)
-    differences = np.empty((3, width), F)
-    # Flat rows: the compiler sees the step of 3, and takes whole vectors.
-    flat = image.reshape(height, 3 * width), foggy.reshape(betas.size, height, 3 * width)
     _render(
-        *flat,
+        image.reshape(height, 3 * width),  # flat rows: the compiler sees the step of 3, and takes whole vectors
+        out,
+        filtered,
         depth,
         *scratch.geometry,
         *scratch.fog,
         airlight,
-        light,
-        np.tile(airlight, width),
-        differences,
-        *scratch.transmittance,
+        airlight.astype(F),
+        *np.empty((2, 3, width), np.uint8),
+        np.empty((3, width), F),
+        *scratch.distance,
         *scratch.flags,
     )
 
 
 @compiled
 def _render(
-    image, foggy, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, veil, differences,
-    distance, rounded, integers, t, bits, flags, words, ranks, nearest, ranked,
+    image, out, filtered, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, clear,
+    levels, differences, distance, ranks, nearest, ranked, t, flags, words, found,
 ):  # fmt: skip
     width = columns.size
-    bases = light[0] + STEP, light[1] + STEP, light[2] + STEP
-    red, green, blue = differences[0], differences[1], differences[2]
+    stride = 3 * width + filtered
+    red, green, blue = levels[0], levels[1], levels[2]
+    up = HALF_UP + MARGIN
+    bases = light[0] + up, light[1] + up, light[2] + up
     for y in range(rows.size):
-        clear = image[y]
         _distances(depth[y], rows32[y], columns32, distance)
         _nearest(ranks, ranked)
-        for x in range(width):
-            red[x] = UNIT * F(clear[3 * x]) - light[0]
-            green[x] = UNIT * F(clear[3 * x + 1]) - light[1]
-            blue[x] = UNIT * F(clear[3 * x + 2]) - light[2]
+        _split(image[y], clear[0], clear[1], clear[2])
+        for c in range(3):
+            _differences(clear[c], light[c], differences[c])
         for b in range(betas.size):
-            out = foggy[b, y]
-            if betas[b] == 0:  # no fog: also at infinite distance the image itself
-                _copy(clear, out)
-                continue
             group = 0
+            if betas[b] == 0:  # no fog: also at infinite distance the image itself
+                for c in range(3):
+                    _copy(clear[c], levels[c])
+                group = nearest.size
             while group < nearest.size:
                 hidden, end = _span(exponents[b], nearest, group)
                 first, last = group * GROUP, min(end * GROUP, width)
+                part, group = slice(first, last), end
                 if hidden:
-                    _copy(veil[3 * first : 3 * last], out[3 * first : 3 * last])
-                    group = end
+                    _fill(airlight[0], red[part])
+                    _fill(airlight[1], green[part])
+                    _fill(airlight[2], blue[part])
                     continue
-                part = slice(first, last)
-                _transmittances(distance[part], exponents[b], rounded[part], integers[part], t[part], bits[part])
-                _composite(t[part], red[part], green[part], blue[part], bases, out[3 * first : 3 * last], flags[part])
-                while group < end:
-                    if _any(words, group * WORDS):
-                        for x in range(group * GROUP, min((group + 1) * GROUP, width)):
-                            if flags[x]:
-                                share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
-                                for c in range(3):
-                                    hidden_part = (1.0 - share) * (airlight[c] / 255.0)
-                                    out[3 * x + c] = _level(share * (clear[3 * x + c] / 255.0) + hidden_part)
-                    group += 1
+                _transmittances(distance[part], exponents[b], t[part])
+                apart = differences[0, part], differences[1, part], differences[2, part]
+                _composite(t[part], *apart, bases, red[part], green[part], blue[part], flags[part])
+                for i in range(_flagged(flags, words, first, last, found)):
+                    x = found[i]
+                    share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
+                    for c in range(3):
+                        hidden_part = (1.0 - share) * (airlight[c] / 255.0)
+                        levels[c, x] = _level(share * (clear[c, x] / 255.0) + hidden_part)
+            line = out[b, y * stride : (y + 1) * stride]
+            if filtered:
+                _mix_filtered(levels, line)
+            else:
+                _mix(levels, line)
 
 
 def render_transmittance(depth, rows, columns, scale, betas, levels) -> None:
     """Transmittance at each beta as levels: uint8 (B, H, W), written; the rest as in `render`."""
     scratch = _Scratch(rows, columns, scale, betas)
-    _render_transmittance(levels, depth, *scratch.geometry, *scratch.fog, *scratch.transmittance, *scratch.flags)
+    _render_transmittance(levels, depth, *scratch.geometry, *scratch.fog, *scratch.distance, *scratch.flags)
 
 
 @compiled
 def _render_transmittance(
     levels, depth, rows, columns, scale, rows32, columns32, betas, exponents,
-    distance, rounded, integers, t, bits, flags, words, ranks, nearest, ranked,
+    distance, ranks, nearest, ranked, t, flags, words, found,
 ):  # fmt: skip
     width = columns.size
     for y in range(rows.size):
@@ -224,27 +291,21 @@ def _render_transmittance(
         for b in range(betas.size):
             out = levels[b, y]
             if betas[b] == 0:
-                for x in range(width):
-                    out[x] = 255
+                _fill(np.uint8(255), out)
                 continue
             group = 0
             while group < nearest.size:
                 hidden, end = _span(exponents[b], nearest, group)
                 first, last = group * GROUP, min(end * GROUP, width)
+                part, group = slice(first, last), end
                 if hidden:
-                    for x in range(first, last):
-                        out[x] = 0
-                    group = end
+                    _fill(np.uint8(0), out[part])
                     continue
-                part = slice(first, last)
-                _transmittances(distance[part], exponents[b], rounded[part], integers[part], t[part], bits[part])
+                _transmittances(distance[part], exponents[b], t[part])
                 _quantize(t[part], out[part], flags[part])
-                while group < end:
-                    if _any(words, group * WORDS):
-                        for x in range(group * GROUP, min((group + 1) * GROUP, width)):
-                            if flags[x]:
-                                out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
-                    group += 1
+                for i in range(_flagged(flags, words, first, last, found)):
+                    x = found[i]
+                    out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
 
 
 @compiled
@@ -304,9 +365,29 @@ def _lower(values, others):
 @compiled
 def count(values, level):
     """How many values are equal to `level`, per column: int32 (W,)."""
-    found = np.zeros(values.shape[1], I)
-    for y in range(values.shape[0]):
-        row = values[y]
-        for x in range(row.size):
-            found[x] += I(1) if row[x] == level else I(0)
+    found, few = np.zeros(values.shape[1], I), np.empty(values.shape[1], np.uint8)
+    for top in range(0, values.shape[0], 255):  # as many as 8 bits can count: a vector holds four times as many
+        _fill(np.uint8(0), few)
+        for y in range(top, min(top + 255, values.shape[0])):
+            row = values[y]
+            for x in range(row.size):
+                few[x] += np.uint8(row[x] == level)
+        for x in range(found.size):
+            found[x] += few[x]
     return found
+
+
+@compiled
+def find(values, level, per_column, rows, columns):
+    """The first pixels that are equal to `level`, by column and then row, as many as `rows`, `columns` have room for.
+
+    per_column : how many there are in each column, as `count` gives; at least as many in all as there is room for
+    """
+    number, column = 0, 0
+    while number < rows.size:
+        if per_column[column] > 0:
+            for y in range(values.shape[0]):
+                if number < rows.size and values[y, column] == level:
+                    rows[number], columns[number] = y, column
+                    number += 1
+        column += 1

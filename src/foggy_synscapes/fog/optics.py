@@ -65,7 +65,6 @@ def foggy_images(
     rays: Rays,
     airlight: Sequence[int],
     betas: Sequence[float],
-    out: np.ndarray | None = None,
 ) -> np.ndarray:
     """Fog on one image at several densities: uint8 (B, H, W, 3), each value floor(255 F + 0.5).
 
@@ -78,7 +77,6 @@ def foggy_images(
     rays : of the image's camera, see `fog.geometry`
     airlight : three levels, 0 to 255
     betas : 1/m, at least 0; 0 gives the image itself
-    out : written and returned where given
 
     Raises ValueError if shapes differ, a depth or beta is negative or NaN, or beta is infinite.
 
@@ -89,18 +87,23 @@ def foggy_images(
     array([[150, 150, 150],
            [200, 200, 200]], dtype=uint8)
     """
-    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
-    from foggy_synscapes.fog import kernel
+    count_zero_depth(depth)
+    images = np.empty((len(betas), *image.shape), np.uint8)
+    _render(image, depth, rays, airlight, betas, images.reshape(len(betas), -1), False)
+    return images
 
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
-        raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
-    foggy = _checked_output(image.shape, depth, rays, betas, out)
-    light = np.array(airlight, np.uint8)
-    if light.shape != (3,):
-        raise ValueError(f"airlight: {airlight}, expected three levels")
-    pixels, metres = np.ascontiguousarray(image), np.ascontiguousarray(depth)
-    kernel.render(pixels, metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), light, foggy)
-    return foggy
+
+def foggy_scan_lines(
+    image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float], out: np.ndarray
+) -> None:
+    """The same as scan lines of PNG, for its encoder: each pixel minus the one on its left (filter Sub).
+
+    depth : one that `count_zero_depth` has let through; it is not looked through again
+    out : uint8 (B, n), written; n at least (1 + 3 W) H, the rest is left as it is
+
+    Raises ValueError as `foggy_images` does, but for values of depth.
+    """
+    _render(image, depth, rays, airlight, betas, out, True)
 
 
 def transmittance_images(
@@ -116,7 +119,13 @@ def transmittance_images(
     """
     from foggy_synscapes.fog import kernel
 
-    levels, metres = _checked_output(depth.shape, depth, rays, betas, out), np.ascontiguousarray(depth)
+    count_zero_depth(depth)
+    _check(depth.shape, depth, rays, betas)
+    shape = (len(betas), *depth.shape)
+    levels = np.empty(shape, np.uint8) if out is None else out
+    if levels.shape != shape or levels.dtype != np.uint8 or not levels.flags.c_contiguous:
+        raise ValueError(f"out: {levels.dtype} {levels.shape}, expected contiguous uint8 {shape}")
+    metres = np.ascontiguousarray(depth)
     kernel.render_transmittance(metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), levels)
     return levels
 
@@ -133,22 +142,39 @@ def count_zero_depth(depth: np.ndarray) -> int:
     return zero
 
 
-def _checked_output(
-    shape: tuple[int, ...], depth: np.ndarray, rays: Rays, betas: Sequence[float], out: np.ndarray | None
-) -> np.ndarray:
-    """Array to write images of a shape to, one per beta, after all arguments were found to be possible."""
-    if not shape[:2] == depth.shape == rays.shape:
-        raise ValueError(f"shapes differ: image {shape[:2]}, depth {depth.shape}, camera {rays.shape} (rows, columns)")
-    count_zero_depth(depth)
+def _render(
+    image: np.ndarray,
+    depth: np.ndarray,
+    rays: Rays,
+    airlight: Sequence[int],
+    betas: Sequence[float],
+    out: np.ndarray,
+    filtered: bool,
+) -> None:
+    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
+    from foggy_synscapes.fog import kernel
+
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+        raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
+    _check(image.shape[:2], depth, rays, betas)
+    light = np.array(airlight, np.uint8)
+    if light.shape != (3,):
+        raise ValueError(f"airlight: {airlight}, expected three levels")
+    pixels, metres = np.ascontiguousarray(image), np.ascontiguousarray(depth)
+    size = image.size + len(image) * filtered  # a scan line begins with the number of its filter
+    if out.dtype != np.uint8 or out.ndim != 2 or len(out) != len(betas) or out.shape[1] < size:
+        raise ValueError(f"out: {out.dtype} {out.shape}, expected uint8 ({len(betas)}, {size}) or more")
+    kernel.render(pixels, metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), light, out, filtered)
+
+
+def _check(shape: tuple[int, ...], depth: np.ndarray, rays: Rays, betas: Sequence[float]) -> None:
+    if not shape == depth.shape == rays.shape:
+        raise ValueError(f"shapes differ: image {shape}, depth {depth.shape}, camera {rays.shape} (rows, columns)")
+    if depth.dtype != np.float32:
+        raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 (H, W)")
     for beta in betas:
         if not 0 <= beta < math.inf:
             raise ValueError(f"beta: {beta}, expected a finite number of 1/m that is not negative")
-    shape = (len(betas), *shape)
-    if out is None:
-        return np.empty(shape, np.uint8)
-    if out.shape != shape or out.dtype != np.uint8 or not out.flags.c_contiguous:
-        raise ValueError(f"out: {out.dtype} {out.shape}, expected contiguous uint8 {shape}")
-    return out
 
 
 def _attenuation(value: float, name: str) -> float:

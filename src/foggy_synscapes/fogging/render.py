@@ -13,7 +13,7 @@ from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
-from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, transmittance_images
+from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, foggy_scan_lines, transmittance_images
 from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
@@ -117,11 +117,24 @@ def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Ra
 def foggy_pngs(clear: Clear, lines: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
     """Foggy images as PNG, one per beta in 1/m; `level` 0 is for photographs, 1 to 3 are deflate's effort."""
     # Imported here: its loops are compiled, and Numba takes half a second.
-    from foggy_synscapes.io.photographs import encode_photograph
+    from foggy_synscapes.io.photographs import Photograph
 
-    out = _buffer(len(betas), *clear.image.shape)
-    foggy_images(clear.image, clear.depth, lines, light.levels, [float(beta) for beta in betas], out)
-    yield from (encode_png(one, level) if level else encode_photograph(one) for one in out)
+    numbers = [float(beta) for beta in betas]
+    if level:
+        images = foggy_images(clear.image, clear.depth, lines, light.levels, numbers)
+        yield from (encode_png(image, level) for image in images)
+        return
+    height, width = clear.depth.shape
+    photographs = [Photograph(height, width) for _ in betas]
+    # Block by block: what was rendered is encoded while the processor's cache still has it.
+    rows = photographs[0].block
+    out = _buffer(len(betas), (min(rows, height) * photographs[0].stride + 7) // 8 * 8)
+    for top in range(0, height, rows):
+        image, depth = clear.image[top : top + rows], clear.depth[top : top + rows]
+        foggy_scan_lines(image, depth, lines.crop(top, 0, *depth.shape), light.levels, numbers, out)
+        for photograph, scan_lines in zip(photographs, out, strict=True):
+            photograph.add(scan_lines[: len(depth) * photograph.stride])
+    yield from (photograph.png() for photograph in photographs)
 
 
 def transmittance_pngs(clear: Clear, lines: Rays, betas: list[str], level: int) -> Iterator[bytes]:

@@ -45,6 +45,56 @@ def _match_symbols() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 MATCH_SYMBOL, MATCH_BITS, MATCH_VALUE = _match_symbols()
 
 
+class Photograph:
+    """A PNG that is encoded from the top down, block by block; the same bytes for the same blocks of pixels.
+
+    height, width : of the image, in pixels, above 0
+    """
+
+    def __init__(self, height: int, width: int) -> None:
+        self.size, self.stride = (height, width), 1 + 3 * width
+        self.block = max(1, BLOCK // self.stride)
+        """Rows of a block at most."""
+        # Codes are at most 12 bits and a block's head 200 bytes.
+        self._out = np.empty((self.stride * height * LONGEST // 8 + 256 * (height // self.block + 2)) // 4, np.uint32)
+        self._state = np.zeros(3, np.int64)  # bits that are not written yet, their number, words written
+        self._rows, self._checksum = 0, 1
+
+    def add(self, lines: np.ndarray) -> None:
+        """Encode the next rows as one block, the last one where the image is complete with them.
+
+        lines : uint8 (n,), whole scan lines as a PNG holds them, filtered by Sub; begins where a 64-bit word may
+
+        Raises ValueError if they are no whole lines, or more than a block or the image has.
+        """
+        rows, rest = divmod(lines.size, self.stride)
+        most = min(self.block, self.size[0] - self._rows)
+        if rest or not 0 < rows <= most:
+            raise ValueError(f"lines: {lines.size} bytes, expected 1 to {most} lines of {self.stride}")
+        self._rows += rows
+        self._checksum = isal_zlib.adler32(lines, self._checksum)
+        counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code, so that rows may be sampled
+        _count(lines, self.stride, counts)
+        lengths = code_lengths(counts)
+        codes = np.empty(SYMBOLS, np.uint64)
+        _assign(lengths, codes)
+        table = codes << LENGTH_BITS | lengths.astype(np.uint64)
+        _write_head(self._rows == self.size[0], lengths, ORDER, self._state, self._out)
+        whole = lines.size // 8 * 8
+        _write_words(lines[:whole].view(np.uint64), table, _matches(codes, lengths), self._state, self._out)
+        _write_bytes(lines[whole:], table, self._state, self._out)
+
+    def png(self) -> bytes:
+        """The file, once all rows were added; ValueError before."""
+        height, width = self.size
+        if self._rows != height:
+            raise ValueError(f"{self._rows} of {height} rows were added")
+        bits, number, written = self._state.tolist()
+        tail = bits.to_bytes(8, "little")[: (number + 7) // 8]
+        parts = b"\x78\x01", self._out[:written], tail, self._checksum.to_bytes(4, "big")
+        return assemble_png(width, height, 8, RGB, b"".join(parts))
+
+
 def encode_photograph(pixels: np.ndarray) -> bytes:
     """Encode uint8 (H, W, 3) as PNG; the same bytes for the same pixels.
 
@@ -53,31 +103,13 @@ def encode_photograph(pixels: np.ndarray) -> bytes:
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
         raise ValueError(f"pixels: {pixels.dtype} {pixels.shape}, expected uint8 (H, W, 3)")
     height, width = pixels.shape[:2]
-    stride, per_block = 1 + 3 * width, max(1, BLOCK // (1 + 3 * width))
-    # Codes are at most 12 bits and a block's head 200 bytes.
-    out = np.empty((stride * height * LONGEST // 8 + 256 * (height // per_block + 2)) // 4, np.uint32)
-    state = np.zeros(3, np.int64)  # bits that are not written yet, their number, words written
-    checksum = 1
-    for top in range(0, height, per_block):
-        rows = np.ascontiguousarray(pixels[top : top + per_block]).reshape(-1, 3 * width)
-        size = len(rows) * stride
-        memory = scratch(1, (size + 7) // 8 * 8)[0]
-        data, words = memory[:size], memory.view(np.uint64)
-        _subtract_left(rows, data.reshape(-1, stride))
-        checksum = isal_zlib.adler32(data, checksum)
-        counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code, so that rows may be sampled
-        _count(data, stride, counts)
-        lengths = code_lengths(counts)
-        codes = np.empty(SYMBOLS, np.uint64)
-        _assign(lengths, codes)
-        table = codes << LENGTH_BITS | lengths.astype(np.uint64)
-        _write_head(top + per_block >= height, lengths, ORDER, state, out)
-        _write_words(words[: size // 8], table, _matches(codes, lengths), state, out)
-        _write_bytes(data[size // 8 * 8 :], table, state, out)
-    bits, number, written = state.tolist()
-    tail = bits.to_bytes(8, "little")[: (number + 7) // 8]
-    parts = b"\x78\x01", out[:written], tail, checksum.to_bytes(4, "big")
-    return assemble_png(width, height, 8, RGB, b"".join(parts))
+    photograph = Photograph(height, width)
+    for top in range(0, height, photograph.block):
+        rows = np.ascontiguousarray(pixels[top : top + photograph.block]).reshape(-1, 3 * width)
+        lines = scratch(1, len(rows) * photograph.stride)[0]
+        _subtract_left(rows, lines.reshape(len(rows), -1))
+        photograph.add(lines)
+    return photograph.png()
 
 
 def code_lengths(counts: np.ndarray) -> np.ndarray:
