@@ -7,7 +7,7 @@ KILLS ?= 50
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update test reruns reads same-bytes faults promises paper report status sources scale remotes slurm lint lock clean
+.PHONY: main update repro test reruns reads same-bytes faults promises paper report status sources scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -17,6 +17,10 @@ main: $(READY)
 # After a change: step by step, so that what came out as it was stops there; `snakemake` alone runs all that follows.
 update: $(READY)
 	@$(BIN)/python workflow/waves.py --cores $(CORES)
+
+# The same by DVC, which mends its own files first where a kill tore them: `dvc repro` would not start.
+repro: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/repro.py
 
 # The promises of docs/promises.md, tested at length (about an hour on two idle cores; the tests hold a short form).
 promises: reruns faults

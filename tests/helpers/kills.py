@@ -17,8 +17,9 @@ HOW = ("all", "engine", "worker")
 
 def call(engine: str) -> list[str]:
     """The normal command of an engine, which has to work after every kill, too."""
-    options = ["--cores", "2", *SMOKE] if engine == "snakemake" else ["repro"]
-    return [sys.executable, "-m", engine, *options]
+    if engine == "dvc":
+        return [sys.executable, "workflow/repro.py"]
+    return [sys.executable, "-m", "snakemake", "--cores", "2", *SMOKE]
 
 
 def prepared(engine: str, folder: Path) -> Path:

@@ -1,0 +1,58 @@
+"""DVC after a kill: half of a file that it writes in place is mended, and what was made is not made again."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from engines import ROOT, environment, hashes, own_sources, ran
+
+sys.path.append(str(ROOT / "workflow"))
+from repro import is_whole, whole_part
+
+LOCK = b"""\
+schema: '2.0'
+stages:
+  filter:
+    cmd: foggy filter
+    deps:
+    - path: results/scenes/index.csv
+      hash: md5
+      md5: b026324c6904b2a9cb4b88d6d61c81d1
+      size: 2
+  fog@0.005:
+    cmd: foggy fog --beta 0.005
+    outs:
+    - path: results/fog/0000.tar
+      hash: md5
+      md5: 26ab0db90d72e28ad0ba1e22ee510510
+      size: 2
+"""
+
+
+@pytest.mark.parametrize("end", range(len(LOCK)))
+def test_wherever_a_lock_file_is_torn_its_whole_steps_are_kept(end: int) -> None:
+    part, second = whole_part(LOCK[:end]), LOCK.index(b"  fog@")
+    assert LOCK[:end].startswith(part)
+    assert is_whole(part) or not part
+    # Three bytes of the second step show that the first one is whole.
+    assert end < second + 3 or part.startswith(LOCK[:second])
+
+
+@pytest.mark.xdist_group("chain")
+def test_torn_files_of_dvc_are_mended_and_nothing_is_made_again(dvc: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(dvc, tmp_path / "clone", symlinks=True))
+    before, lock = hashes(folder), (folder / "dvc.lock").read_bytes()
+    (folder / "dvc.lock").write_bytes(lock[: len(lock) // 2])
+    (folder / ".dvc/tmp/rwlock").write_text('{"write": {"resu')
+    call = [sys.executable, "workflow/repro.py"]
+    told = subprocess.run(
+        call, cwd=folder, env=environment(own_sources(folder)), capture_output=True, text=True, check=False
+    )
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert "dvc.lock was torn by a kill" in told.stderr
+    assert ".dvc/tmp/rwlock was torn by a kill" in told.stderr
+    assert ran(told.stdout + told.stderr) == set()
+    assert hashes(folder) == before
+    assert (folder / "dvc.lock").read_bytes() == lock
