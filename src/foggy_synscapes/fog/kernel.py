@@ -42,7 +42,8 @@ C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.00961805667
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 HIDDEN = F(-6.25 * LOG2E)
 SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
-GROUP, WORDS = 64, 8  # flags looked at together, and the same as 64-bit words
+GROUP = 64  # pixels that are hidden together or not
+WORD, FOUR, ONE = np.uint64(8), np.uint64(4), np.uint64(1)  # unsigned: no index can be negative
 
 
 @compiled
@@ -157,20 +158,16 @@ def _quantize(t, out, flags):
 
 
 @compiled
-def _any(words, start):
-    together = np.int64(0)
-    for i in range(start, start + WORDS):
-        together |= words[i]
-    return together != 0
-
-
-@compiled
 def _flagged(flags, words, first, last, found):
+    """Pixels from `first`, that of a group, to before `last` whose flag is set, into `found`; their number.
+
+    flags : uint8, of whole groups, 0 behind the end of the row; words : the same as int64
+    """
     count = 0
-    for word in range(np.uint64(first // 8), np.uint64((last + 7) // 8), np.uint64(4)):
-        w = np.int64(word)
-        if words[word] | words[word + np.uint64(1)] | words[word + np.uint64(2)] | words[word + np.uint64(3)]:
-            for x in range(8 * w, min(8 * w + 32, last)):
+    for word in range(np.uint64(first) // WORD, (np.uint64(last) + WORD - ONE) // WORD, FOUR):
+        # Four words at once: one pixel in 1,800 has a flag.
+        if words[word] | words[word + ONE] | words[word + ONE + ONE] | words[word + FOUR - ONE]:
+            for x in range(8 * np.int64(word), min(8 * np.int64(word + FOUR), last)):
                 found[count] = x
                 count += flags[x]
     return count
