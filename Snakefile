@@ -17,7 +17,9 @@ from foggy_synscapes import params as parameters
 from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
+from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.lineage.check import made_otherwise
 from foggy_synscapes.recorded import select
 
 min_version("9.27")
@@ -78,6 +80,17 @@ def check_raw_data():
                 )
 
 
+def check_makers():
+    """Refuse to plan on results that others made with other params: Snakemake would take them for up to date."""
+    strange = made_otherwise(PARAMS)
+    if strange:
+        raise WorkflowError(
+            f"{strange[0]}: made with other params than those of {PARAMS_FILE}, by DVC or by hand, so that Snakemake "
+            f"does not know it ({len(strange)} such files). Run `make repro` where DVC made it, then `foggy adopt "
+            "--from dvc`; else delete the results of this step and of those that follow, then run this again."
+        )
+
+
 def code(word):
     """Source files that a command runs: an edit there re-runs its jobs."""
     return [f"src/foggy_synscapes/{name}" for name in closure.sources(word)]
@@ -115,6 +128,7 @@ LOCKS = []
 # Another run that is under way may be drawing right now; this one will then be refused for its lock.
 if workflow.is_main_process and lock.is_free():
     check_raw_data()
+    check_makers()
 
 
 onstart:
@@ -122,6 +136,7 @@ onstart:
         LOCKS.append(lock.hold())
     except FoggyError as error:
         raise WorkflowError(str(error))
+    remove_leftovers("results")
 
 
 wildcard_constraints:

@@ -6,18 +6,23 @@ the others made is in DVC's run cache), and rwlock, which says who reads and wri
 """
 
 import json
+import os
 import sys
 from pathlib import Path
 
 from dvc.cli import main as dvc
+from dvc.exceptions import DvcException
 from dvc.lock import make_lock
 from dvc.repo import Repo
-from dvc.rwlock import RWLOCK_FILE, RWLOCK_LOCK
+from dvc.rwlock import RWLOCK_FILE, RWLOCK_LOCK, SCHEMA
 from dvc.schema import COMPILED_LOCKFILE_SCHEMA
 from dvc.utils.serialize import YAMLFileCorruptedError, parse_yaml
 from voluptuous import Invalid
 
-from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes import params
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io import lock
+from foggy_synscapes.io.atomic import remove_leftovers, write_bytes
 
 LOCK = Path("dvc.lock")
 HEAD = b"  "  # of the line that begins a step; lines inside a step are indented further
@@ -56,30 +61,43 @@ def mend(repo: Repo) -> list[str]:
     """Mend what a kill tore of DVC's own files, while no other DVC is at work on them; the names of those mended."""
     mended = []
     with repo.lock:
-        if LOCK.is_file() and (part := whole_part(data := LOCK.read_bytes())) != data:
-            write_bytes(LOCK, part) if part else LOCK.unlink()
+        if LOCK.is_file() and not is_whole(data := LOCK.read_bytes()):
+            part = whole_part(data)
+            write_bytes(LOCK.resolve(), part) if part else LOCK.unlink()
             mended.append(str(LOCK))
         locks = Path(repo.tmp_dir, RWLOCK_FILE)
         with make_lock(str(locks.with_name(RWLOCK_LOCK)), tmp_dir=repo.tmp_dir):
-            if locks.is_file() and not _is_json(locks):
+            if locks.is_file() and not _says_who_reads(locks):
                 locks.unlink()
-                mended.append(str(locks.relative_to(Path.cwd())))
+                mended.append(str(locks.relative_to(repo.root_dir)))
     return mended
 
 
-def _is_json(path: Path) -> bool:
+def _says_who_reads(path: Path) -> bool:
     try:
-        json.loads(path.read_bytes())
-    except ValueError:
+        SCHEMA(json.loads(path.read_bytes()))
+    except (ValueError, Invalid):
         return False
     return True
 
 
 def main(options: list[str]) -> int:
-    """Mend, then run `dvc repro` with these options; its exit status."""
-    for name in mend(Repo()):
-        print(f"repro: {name} was torn by a kill; it is mended", file=sys.stderr)
-    return dvc(["repro", *options])
+    """Mend, then run `dvc repro` with these options; its exit status.
+
+    The params are checked before DVC reads them, which puts their values into shell lines.
+    """
+    try:
+        repo = Repo()
+        os.chdir(repo.root_dir)
+        params.load("params.yaml")
+        with lock.hold(alone=False):
+            remove_leftovers("results")
+            for name in mend(repo):
+                print(f"repro: {name} was torn by a kill; it is mended", file=sys.stderr)
+            return dvc(["repro", *options])
+    except (DvcException, FoggyError) as error:
+        print(f"repro: {error}", file=sys.stderr)
+        return 1
 
 
 if __name__ == "__main__":

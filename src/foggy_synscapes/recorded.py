@@ -17,6 +17,11 @@ def recorded(params: Params, *keys: str) -> dict[str, Any]:
 
     Raises KeyError if a key is not in the params.
     """
+    return select(without_folders(params), *keys)
+
+
+def without_folders(params: Params) -> dict[str, Any]:
+    """All values of params as run records state them, nested as in the params file."""
     values = params.model_dump(mode="json", by_alias=True)
     roots = values["scenes"]["roots"]
     roots.update({name: REAL for name, folder in roots.items() if folder != STAND_IN})
@@ -26,7 +31,7 @@ def recorded(params: Params, *keys: str) -> dict[str, Any]:
     for row in filter(None, values["train"]["rows"].values()):
         for start in row["start"].values():
             start["weights"] = IMPORTED if start["weights"] != NO_WEIGHTS else NO_WEIGHTS
-    return select(values, *keys)
+    return values
 
 
 def select(values: dict[str, Any], *keys: str) -> dict[str, Any]:

@@ -45,9 +45,23 @@ def test_jobs_do_not_keep_each_other_out_but_an_engine(here: Path) -> None:
 def test_a_job_leaves_the_lock_to_the_engine_that_started_it(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with lock.hold():
         monkeypatch.setenv(lock.HELD, "snakemake")
-        assert lock.join() is None
+        lock.join().close()
 
 
-def test_where_snakemake_never_ran_a_job_leaves_no_lock_behind(here: Path) -> None:
-    assert lock.join() is None
-    assert list(here.iterdir()) == []
+def test_an_engine_that_starts_jobs_without_saying_so_keeps_out_another_but_not_them(here: Path) -> None:
+    with lock.hold(alone=False):
+        lock.join().close()
+        with pytest.raises(FoggyError, match="another run"):
+            lock.hold()
+
+
+def test_a_new_engine_waits_for_jobs_whose_engine_was_killed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The job holds no lock of its own but this: its engine held the other one, and is gone."""
+    monkeypatch.setenv(lock.HELD, "snakemake")
+    job = lock.join()
+    assert lock.is_free()
+    next_one = subprocess.Popen([sys.executable, "-c", HOLD], stdin=-1, stdout=-1, stderr=subprocess.STDOUT)
+    assert next_one.stdout.readline() == b"waiting for the end of jobs whose engine was killed\n"
+    job.close()
+    assert next_one.stdout.readline() == b"held\n"
+    next_one.communicate(b"\n")

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from engines import hashes, run
+from engines import hashes, planned, run
 
 pytestmark = pytest.mark.xdist_group("chain")
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
@@ -41,6 +41,28 @@ def test_after_snakemake_dvc_has_nothing_to_do_and_neither_has_snakemake(snakema
     told = run(folder, "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/smoke.yaml")
     assert "Nothing to be done" in told
     assert hashes(folder) == before
+
+
+def test_what_dvc_made_with_other_params_is_neither_planned_on_nor_certified(dvc: Path, tmp_path: Path) -> None:
+    """Snakemake has no record of these jobs, and their files are newer than what they were made of."""
+    folder = copied(dvc, tmp_path / "clone")
+    shutil.rmtree(folder / ".snakemake", ignore_errors=True)
+    for name in ("params.yaml", "params/smoke.yaml"):
+        text = (folder / name).read_text()
+        (folder / name).write_text(text.replace("learning_rate: 0.001\n", "learning_rate: 0.003\n"))
+    told = "results/train/bisenet/FC-498/seed-0/curve.csv: made with other params than those of"
+    assert told in refused(folder, "--from", "snakemake")
+    call = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/smoke.yaml"]
+    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert told in result.stdout + result.stderr
+
+
+def test_what_snakemake_made_it_makes_anew_when_params_change(snakemake: Path, tmp_path: Path) -> None:
+    folder = copied(snakemake, tmp_path / "clone")
+    params = folder / "params/smoke.yaml"
+    params.write_text(params.read_text().replace("learning_rate: 0.001\n", "learning_rate: 0.003\n"))
+    assert {"train bisenet FC-498 0", "tables foggy_zurich"} <= set(planned(folder))
 
 
 def test_after_dvc_snakemake_has_nothing_to_do_until_a_param_changes(dvc: Path, tmp_path: Path) -> None:

@@ -44,6 +44,12 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
             Path(temporary).unlink(missing_ok=True)
 
 
+def remove_leftovers(folder: str | Path) -> None:
+    """Remove what killed processes left half-written below a folder; to be called while none writes there."""
+    for path in Path(folder).rglob(".*.part"):
+        path.unlink(missing_ok=True)
+
+
 def write_bytes(path: str | Path, data: bytes) -> None:
     """Replace the content of `path` by `data`, or leave it as it was (see `replacing`)."""
     with replacing(path) as file:

@@ -1,37 +1,52 @@
-"""One engine at a time in a folder: a lock of the operating system, which ends with the process that holds it.
+"""One engine at a time in a folder: locks of the operating system, which end with the processes that hold them.
 
-Snakemake's own lock outlives a run that was killed and then has to be taken away by hand; this one does not.
+Snakemake's own lock outlives a run that was killed and then has to be taken away by hand; these do not. Where an engine
+is killed alone, its jobs work on: the next engine waits for them, or they would write over what it makes.
 """
 
 import fcntl
 import os
+import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import IO
 
 from foggy_synscapes.errors import FoggyError
 
 PATH = Path(".foggy/lock")
+"""Held by an engine, or shared by the jobs of DVC."""
+JOBS = Path(".foggy/jobs")
+"""Shared by all jobs of any engine."""
 HELD = "FOGGY_LOCK"
 """Environment variable by which a job knows that its engine holds the lock."""
 
 
-def hold() -> IO[bytes]:
+def hold(alone: bool = True) -> IO[bytes]:
     """Take the lock of this folder for an engine that starts several jobs; it is held while the file stays open.
+
+    Jobs of an engine that was killed are waited for.
+
+    alone : whether jobs that this process did not start by HELD are kept out, too
 
     Raises FoggyError if another engine or a job of it is at work here.
     """
-    PATH.parent.mkdir(parents=True, exist_ok=True)
-    return _take(fcntl.LOCK_EX)
+    file = _take(fcntl.LOCK_EX)
+    _wait_for_jobs()
+    if not alone:
+        fcntl.flock(file, fcntl.LOCK_SH)
+    return file
 
 
-def join() -> IO[bytes] | None:
-    """Keep Snakemake from starting beside a job that it did not start; None where it never ran here, or did start it.
+def join() -> ExitStack:
+    """Take part as a job, until the result is closed: keeps out Snakemake, unless it started the job.
 
-    Raises FoggyError if Snakemake is at work here.
+    Raises FoggyError if a Snakemake is at work here that did not start the job.
     """
-    if os.environ.get(HELD) or not PATH.is_file():
-        return None
-    return _take(fcntl.LOCK_SH)
+    with ExitStack() as held:
+        if not os.environ.get(HELD):
+            held.enter_context(_take(fcntl.LOCK_SH))
+        _lock(held.enter_context(_opened(JOBS)), fcntl.LOCK_SH)
+        return held.pop_all()
 
 
 def is_free() -> bool:
@@ -45,17 +60,38 @@ def is_free() -> bool:
     return True
 
 
+def _wait_for_jobs() -> None:
+    with _opened(JOBS) as jobs:
+        try:
+            _lock(jobs, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("waiting for the end of jobs whose engine was killed", file=sys.stderr, flush=True)
+            _lock(jobs, fcntl.LOCK_EX)
+
+
 def _take(kind: int) -> IO[bytes]:
-    file = open(PATH, "ab")  # noqa: SIM115 (open for as long as the lock is to be held)
+    file = _opened(PATH)
     try:
-        fcntl.flock(file, kind | fcntl.LOCK_NB)
+        _lock(file, kind | fcntl.LOCK_NB)
     except BlockingIOError as error:
         file.close()
         raise FoggyError(
             "another run is at work in this folder (Snakemake, DVC or a `foggy` command). Wait for its end or stop it: "
             "two at once would make the same files"
         ) from error
+    return file
+
+
+def _opened(path: Path) -> IO[bytes]:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return open(path, "ab")
+
+
+def _lock(file: IO[bytes], kind: int) -> None:
+    try:
+        fcntl.flock(file, kind)
+    except BlockingIOError:
+        raise
     except OSError:
         # A file system without locks cannot tell; every file is written beside and renamed all the same.
-        return file
-    return file
+        return

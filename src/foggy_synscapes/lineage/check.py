@@ -1,16 +1,19 @@
 """Comparing what lies on disk with what run records and indexes say."""
 
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from foggy_synscapes.datasets.index import FOLDER, read_index
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.runs import read_run, read_runs, record_of, state
-from foggy_synscapes.params import STAND_IN
+from foggy_synscapes.io.runs import RESULTS, read_run, read_runs, record_of, state
+from foggy_synscapes.params import STAND_IN, Params
 from foggy_synscapes.progress import progress
+from foggy_synscapes.recorded import leaves, select, without_folders
 
 SCENES = Path("results/scenes")
+SNAKEMAKE = Path(".snakemake")
 
 
 def differences(path: Path) -> tuple[list[str], int]:
@@ -49,6 +52,37 @@ def differences(path: Path) -> tuple[list[str], int]:
             problems += [f"{file}: {word} (listed in {index})" for word, file in listing.problems()]
             count += listing.files
     return problems, count
+
+
+def made_otherwise(params: Params) -> list[str]:
+    """Results that Snakemake would take for up to date though their run records state other params than these.
+
+    DVC or a person made them, so that Snakemake has no record of its own, or one that is older than the file. Records
+    that cannot be read are left to those who need the files.
+    """
+    found, values = [], without_folders(params)
+    for place in sorted(Path(RESULTS).rglob("*run.json")):
+        try:
+            record = read_run(place)
+        except FoggyError:
+            continue
+        said = dict(leaves(record.get("params", {})))
+        try:
+            now = dict(leaves(select(values, *said)))
+        except (KeyError, TypeError):
+            now = {}  # a key that is gone
+        if now != said:
+            found += sorted(name for name in record["outputs"] if not _is_known_to_snakemake(Path(name)))
+    return found
+
+
+def _is_known_to_snakemake(path: Path) -> bool:
+    """Whether Snakemake recorded a file after it was written, or that it was cut off while its job wrote it."""
+    own = urlsafe_b64encode(path.as_posix().encode()).decode()  # how Snakemake names its records
+    record = SNAKEMAKE / "metadata" / own
+    if not path.exists() or (SNAKEMAKE / "incomplete" / own).exists():
+        return True
+    return record.is_file() and record.stat().st_mtime >= path.stat().st_mtime
 
 
 def is_index(path: Path) -> bool:

@@ -86,6 +86,9 @@ def _again(record: dict[str, Any], word: str, scratch: Path, params: Path) -> Re
     ):
         raise FoggyError(f"run record of {next(iter(record['outputs']))}: {command} is no job of foggy {word}; not run")
     own = Path(RESULTS) / word
+    leaving = [name for name in record["inputs"] if ".." in Path(name).parts]
+    if leaving:
+        raise FoggyError(f"run record of {next(iter(record['outputs']))}: its input {leaving[0]} leaves the folder")
     for name in [file for file in record["inputs"] if Path(file).is_relative_to(own)]:
         for file in (Path(name), record_of(Path(name))):
             (scratch / file).parent.mkdir(parents=True, exist_ok=True)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.lineage.check import differences
+from foggy_synscapes.lineage.check import differences, made_otherwise
+from foggy_synscapes.params import load
 
 HELP = (
     "Let the other engine take over what one engine made, so that it makes nothing again. Refused where the first one "
@@ -57,6 +58,13 @@ def adopt(engine: str, params: Path = DEFAULT) -> None:
 
 
 def _from_snakemake(option: list[str]) -> None:
+    # Where Snakemake has no record of a job, as of those that DVC ran, it cannot tell a change of params.
+    strange = made_otherwise(load(DEFAULT))
+    if strange:
+        raise FoggyError(
+            f"{strange[0]}: made with other params than those of {DEFAULT} ({len(strange)} such files). Run "
+            f"snakemake --cores 2{_spelt(option)} first, or dvc repro where DVC made it."
+        )
     waiting = _snakemake_waits(option)
     if waiting:
         raise FoggyError(
