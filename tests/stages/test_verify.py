@@ -40,7 +40,7 @@ def rebuilt(capsys: pytest.CaptureFixture, status: int) -> str:
     assert main(["verify", "results/subset", "--rebuild", "subset"]) == status
     told = capsys.readouterr()
     assert "Traceback" not in told.err
-    assert not list(Path(".foggy").iterdir())
+    assert {path.name for path in Path(".foggy").iterdir()} == {"jobs", "lock"}
     return told.out + told.err
 
 
@@ -90,6 +90,14 @@ def test_another_instruction_set_version_or_code_is_told(capsys: pytest.CaptureF
 def test_a_record_whose_command_is_no_job_is_not_run(command: list, capsys: pytest.CaptureFixture) -> None:
     edited(command=command)
     assert "is no job of foggy subset; not run" in rebuilt(capsys, 1)
+
+
+def test_a_record_whose_input_leaves_the_folder_is_not_followed(capsys: pytest.CaptureFixture) -> None:
+    record = json.loads(RECORD.read_text())
+    edited(inputs={**record["inputs"], "results/subset/../../../../notes.txt": "0" * 64})
+    Path("notes.txt").write_text("mine")
+    assert "its input results/subset/../../../../notes.txt leaves the folder" in rebuilt(capsys, 1)
+    assert Path("notes.txt").read_text() == "mine"
 
 
 def test_a_step_without_jobs_there_is_said(capsys: pytest.CaptureFixture) -> None:

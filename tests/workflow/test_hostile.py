@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from engines import clone, run
+from engines import clone, for_dvc, run
 
 from foggy_synscapes.datasets import foggy_zurich
 from foggy_synscapes.io.atomic import write_bytes, write_text
@@ -57,11 +57,29 @@ def test_odd_names_of_a_dataset_and_of_a_params_file_reach_no_shell(folder: Path
 def test_a_beta_with_a_command_in_it_stops_both_engines_before_any_job(folder: Path) -> None:
     changed(folder, "params.yaml", fog={"betas": ["0.005; touch gone"]})
 
-    for call in (["snakemake", "--cores", "1"], ["dvc", "repro"]):
+    for call in (["-m", "snakemake", "--cores", "1"], ["-m", "dvc", "repro"], ["workflow/repro.py"]):
         subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
-        result = subprocess.run([sys.executable, "-m", *call], cwd=folder, capture_output=True, text=True, check=False)
+        result = subprocess.run([sys.executable, *call], cwd=folder, capture_output=True, text=True, check=False)
         told = result.stdout + result.stderr
         assert result.returncode != 0
         assert "beta" in told
         assert "is not a number" in told
     assert not (folder / "results/scenes/index").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a: &a [x]\nb: &b [*a, *a]\nc: [*b, *b]\n", "aliases are not allowed"),
+        ("fog: !!python/object/apply:os.system [touch gone]\n", "could not determine a constructor for the tag"),
+    ],
+)
+def test_yaml_that_grows_or_runs_is_refused_before_dvc_reads_it(folder: Path, text: str, told: str) -> None:
+    for_dvc(folder)
+    write_text(folder / "params.yaml", text)
+    call = [sys.executable, "workflow/repro.py"]
+    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert result.stderr.startswith("repro: params.yaml")
+    assert told in result.stderr
+    assert "Traceback" not in result.stderr

@@ -6,10 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from engines import ROOT, environment, hashes, own_sources, ran
+from dvc.repo import Repo
+from engines import ROOT, clone, environment, for_dvc, hashes, own_sources, ran
 
 sys.path.append(str(ROOT / "workflow"))
-from repro import is_whole, whole_part
+from repro import is_whole, main, mend, whole_part
 
 LOCK = b"""\
 schema: '2.0'
@@ -40,12 +41,51 @@ def test_wherever_a_lock_file_is_torn_its_whole_steps_are_kept(end: int) -> None
     assert end < second + 3 or part.startswith(LOCK[:second])
 
 
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A clone in which nothing ran yet."""
+    folder = for_dvc(clone(tmp_path / "clone"))
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.mark.parametrize("torn", [b"", b"schema: '2.0'\nsta"])
+def test_a_lock_file_without_a_whole_step_is_removed_and_what_it_links_to_kept(folder: Path, torn: bytes) -> None:
+    Path("dvc.lock").write_bytes(torn)
+    assert mend(Repo()) == ["dvc.lock"]
+    assert not Path("dvc.lock").exists()
+    Path("elsewhere").write_bytes(LOCK[:-30] + b"\n  bro")
+    Path("dvc.lock").symlink_to("elsewhere")
+    assert mend(Repo()) == ["dvc.lock"]
+    assert Path("dvc.lock").is_symlink()
+    assert is_whole(Path("elsewhere").read_bytes())
+
+
+@pytest.mark.parametrize("torn", ["", "[]", '{"write": {"resu', '{"write": 3}'])
+def test_a_torn_note_of_readers_is_removed_also_from_a_folder_below(folder: Path, torn: str, monkeypatch) -> None:
+    note = Path(Repo().tmp_dir, "rwlock")
+    note.write_text(torn)
+    monkeypatch.chdir("workflow")
+    assert mend(Repo()) == [".dvc/tmp/rwlock"]
+    assert not note.exists()
+    note.write_text("{}")
+    assert mend(Repo()) == []
+
+
+def test_what_stops_it_is_one_line(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    with Repo().lock:
+        assert main([]) == 1
+    told = capsys.readouterr().err
+    assert told.startswith("repro: Unable to acquire lock")
+    assert "Traceback" not in told
+
+
 @pytest.mark.xdist_group("chain")
 def test_torn_files_of_dvc_are_mended_and_nothing_is_made_again(dvc: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(dvc, tmp_path / "clone", symlinks=True))
     before, lock = hashes(folder), (folder / "dvc.lock").read_bytes()
     # Inside a key; where a value is cut, DVC reads on and takes that step for changed.
-    (folder / "dvc.lock").write_bytes(lock[: lock.index(b"- path", len(lock) // 2) + 4])
+    (folder / "dvc.lock").write_bytes(lock[: lock.rindex(b"- path") + 4])
     (folder / ".dvc/tmp/rwlock").write_text('{"write": {"resu')
     call = [sys.executable, "workflow/repro.py"]
     told = subprocess.run(
