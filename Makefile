@@ -7,7 +7,7 @@ KILLS ?= 50
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update repro test reruns reads same-bytes faults promises paper report status sources scale remotes slurm lint lock clean
+.PHONY: main update repro test reruns reads same-bytes faults crate promises paper report status sources scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -25,11 +25,12 @@ repro: $(READY)
 # The promises of docs/promises.md, tested at length (about an hour on two idle cores; the tests hold a short form).
 promises: reruns faults
 
-# What each of some thirty changes makes run again on both engines; with `--run`, also what then really runs.
+# What each of some thirty changes, and of raw data, makes run again on both engines; with `--run`, also what then runs.
 reruns: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reruns.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/raw_changes.py
 
-# Whether each step reads what it declares and nothing else.
+# Whether each step reads and writes what it declares and nothing else.
 reads: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reads.py
 
@@ -40,6 +41,10 @@ same-bytes: $(READY)
 # Kills at random moments (KILLS of them), a full disk, no memory, a wrong clock, two engines at once; as root, for mounts.
 faults: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/faults.py --kills $(KILLS)
+
+# Whether the exported lineage of a table passes what its profile requires (roc-validator, in an environment of its own).
+crate: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/crate.py
 
 test: $(READY)
 	@echo "== The tests: pytest"

@@ -1,11 +1,12 @@
-"""Whether each step reads what it declares, and nothing else: `make reads`.
+"""Whether each step reads and writes what it declares, and nothing else: `make reads`.
 
     python benchmarks/reads.py [--only TEXT] [--clones DIR]
 
-Jobs of a finished smoke run are run once more under an audit hook of Python, worker processes included. It fails on any
-file opened that is not a declared input, named with its hash by a declared list or index, an output of the same job,
-the params file or part of an installed package; on use of the network or of other programs; and on any declared source
-file that no job of its step imports.
+Jobs of a finished smoke run are run once more under an audit hook of Python, worker processes included; trainings with
+one that loads images. It fails on any file read that is not a declared input, named with its hash by a declared list or
+index, an output of the same job, the params file or part of an installed package; on any file written that is not an
+output; on use of the network or of other programs; on outputs that come out otherwise than the first time, as they
+would with the time of day in them; and on any declared source file that no job of its step imports.
 """
 
 import argparse
@@ -20,6 +21,7 @@ from engines import SMOKE, clone, own_sources, planned, run
 from reads import undeclared, watch
 
 from foggy_synscapes import closure
+from foggy_synscapes.io.hashing import sha256
 
 # What other rows do, too, is looked at once.
 JOBS = ("scenes *", "filter", "fog *", "subset *", "train * C 0", "train bisenet FC-FS-498 0", "evaluate bisenet C 0 *")
@@ -39,13 +41,20 @@ def main() -> int:
         folder = (options.clones or Path(scratch)) / "snakemake"
         if not folder.exists():
             run(clone(folder), "snakemake", "--cores", "2", *SMOKE, changes=own_sources(folder))
+        params = folder / SMOKE[1]
+        params.write_text(params.read_text().replace("workers: 0", "workers: 1"))
         for name, (inputs, outputs, command) in sorted(planned(folder, "--forceall").items()):
             if options.only not in name or not any(fnmatchcase(name, pattern) for pattern in JOBS):
                 continue
+            before = {path: sha256(folder / path) for path in outputs}
             reads = watch(folder, command)
             problems = undeclared(folder, command, inputs, outputs, SMOKE[1], reads)
+            problems += [f"{path} came out otherwise" for path in outputs if sha256(folder / path) != before[path]]
+            if name.startswith("train") and reads.processes < 2:
+                problems.append("no worker process was seen")
             imported.setdefault(name.split()[0], set()).update(reads.modules)
-            print(f"{name}: {len(reads.files)} files read, {len(problems)} not declared", flush=True)
+            told = f"{len(reads.files)} files read, {len(reads.written)} written, {reads.processes} processes"
+            print(f"{name}: {told}; {len(problems)} problems", flush=True)
             for problem in problems:
                 print(f"    {problem}", flush=True)
             failed += bool(problems)

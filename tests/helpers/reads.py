@@ -1,4 +1,4 @@
-"""What a job really reads, beside what it declares to the engines."""
+"""What a job really reads and writes, beside what it declares to the engines."""
 
 import json
 import os
@@ -21,6 +21,7 @@ from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import STAND_IN, load
 
 HELPERS = Path(__file__).resolve().parent
+LOCKS = ".foggy"
 ENTRY = {"cli.py", "__main__.py", "io/lock.py"}
 """They find the command, keep others away and show errors; no result passes through them."""
 # The interpreter, installed packages and what the operating system says of itself.
@@ -29,12 +30,14 @@ SYSTEM = {sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), "/usr", 
 
 @dataclass
 class Reads:
-    """What a job did: files and folders read, other things done, modules of the project imported."""
+    """What a job did: files and folders read, files written, other things done, modules imported, processes seen."""
 
     files: set[Path] = field(default_factory=set)
+    written: set[Path] = field(default_factory=set)
     folders: set[Path] = field(default_factory=set)
     other: set[str] = field(default_factory=set)
     modules: set[str] = field(default_factory=set)
+    processes: int = 0
 
 
 def watch(folder: Path, command: str) -> Reads:
@@ -47,12 +50,13 @@ def watch(folder: Path, command: str) -> Reads:
         result = subprocess.run(call, cwd=folder, env=changes, capture_output=True, text=True, check=False)
         assert result.returncode == 0, f"{command}: {result.stderr[-2000:]}"
         for note in sorted(Path(notes).glob("*.jsonl")):
+            reads.processes += 1
             for line in note.read_text(encoding="utf-8").splitlines():
                 kind, value = json.loads(line)
                 if kind == "module":
                     reads.modules.add(Path(value).relative_to(folder / "src/foggy_synscapes").as_posix())
-                elif kind in ("file", "folder"):
-                    (reads.files if kind == "file" else reads.folders).add(Path(value))
+                elif kind in ("file", "folder", "written"):
+                    {"file": reads.files, "folder": reads.folders, "written": reads.written}[kind].add(Path(value))
                 else:
                     reads.other.add(f"{kind}: {value}")
     return reads
@@ -61,7 +65,7 @@ def watch(folder: Path, command: str) -> Reads:
 def undeclared(
     folder: Path, command: str, inputs: Iterable[str], outputs: Iterable[str], params: str, reads: Reads
 ) -> list[str]:
-    """A line for each thing that a job reads and does not declare."""
+    """A line for each thing that a job reads or writes and does not declare."""
     inputs, outputs = list(inputs), list(outputs)
     word = shlex.split(command)[1]
     allowed = {folder / path for path in (*inputs, *outputs, params)} | _listed(folder, inputs, params)
@@ -76,6 +80,13 @@ def undeclared(
         rooms += [folder / "results/scenes" / dataset, folder / CACHE]
     problems = [
         f"reads {path}" for path in sorted(reads.files) if not _is_declared(path, allowed, sources, rooms, folder)
+    ]
+    problems += [
+        f"writes {path}"
+        for path in sorted(reads.written)
+        if not _is_declared(path, {folder / path for path in outputs}, sources, rooms, folder)
+        and not path.is_relative_to(folder / LOCKS)
+        and "__pycache__" not in path.parts
     ]
     problems += [
         f"lists {path}"

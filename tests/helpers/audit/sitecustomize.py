@@ -1,4 +1,4 @@
-"""Python starts with this module where its folder is on PYTHONPATH: it writes down what the process reads.
+"""Python starts with this module where its folder is on PYTHONPATH: it writes down what the process reads and writes.
 
 One line of JSON for each event, in FOGGY_AUDIT/PID.jsonl, of this process and of those that it forks or starts.
 Only Python's own opening of files is seen, not that of libraries written in C.
@@ -11,6 +11,7 @@ import sys
 
 EVENTS = {
     "open": "file",
+    "os.rename": "written",
     "os.listdir": "folder",
     "os.scandir": "folder",
     "socket.connect": "network",
@@ -20,6 +21,7 @@ EVENTS = {
     "subprocess.Popen": "process",
     "os.system": "process",
 }
+PATHS = ("file", "folder", "written")
 WRITING = os.O_WRONLY | os.O_RDWR
 writers = {}
 
@@ -36,17 +38,22 @@ def write(kind, value):
 
 
 def hook(event, arguments):
-    """Write down an event that reads something."""
-    if event not in EVENTS or (event == "open" and (not isinstance(arguments[0], (str, bytes)) or _writes(arguments))):
+    """Write down an event that reads or writes something."""
+    if event not in EVENTS or (event == "open" and not isinstance(arguments[0], (str, bytes))):
         return
-    value = arguments[0] if EVENTS[event] in ("file", "folder") else arguments[:2]
+    if event in ("socket.connect", "socket.bind") and isinstance(arguments[1], (str, bytes)):
+        return  # a path: between processes of one machine, as those of a data loader
+    kind = "written" if event == "open" and _writes(arguments) else EVENTS[event]
+    value = arguments[0] if kind in PATHS else arguments[:2]
+    if event == "os.rename":
+        value = arguments[1]
     if isinstance(value, bytes):
         value = os.fsdecode(value)
-    if EVENTS[event] in ("file", "folder"):
+    if kind in PATHS:
         value = os.path.abspath(value) if isinstance(value, str) else os.getcwd()
         if value.startswith(os.environ["FOGGY_AUDIT"]):
             return
-    write(EVENTS[event], value if isinstance(value, str) else repr(value))
+    write(kind, value if isinstance(value, str) else repr(value))
 
 
 def _writes(arguments):
