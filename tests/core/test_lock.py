@@ -42,6 +42,13 @@ def test_jobs_do_not_keep_each_other_out_but_an_engine(here: Path) -> None:
     assert lock.is_free()
 
 
+def test_a_folder_that_cannot_be_written_to_is_said(here: Path) -> None:
+    Path(".foggy").write_text("a file where the folder must be")
+    for take in (lock.hold, lock.join):
+        with pytest.raises(FoggyError, match=r"^\.foggy/lock: cannot be opened: File exists"):
+            take()
+
+
 def test_a_job_leaves_the_lock_to_the_engine_that_started_it(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with lock.hold():
         monkeypatch.setenv(lock.HELD, "snakemake")

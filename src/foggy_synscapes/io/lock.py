@@ -83,8 +83,11 @@ def _take(kind: int) -> IO[bytes]:
 
 
 def _opened(path: Path) -> IO[bytes]:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return open(path, "ab")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return open(path, "ab")
+    except OSError as error:
+        raise FoggyError(f"{path}: cannot be opened: {error.strerror}. Run this in a folder of your own.") from error
 
 
 def _lock(file: IO[bytes], kind: int) -> None:
