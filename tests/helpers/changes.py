@@ -50,7 +50,8 @@ class Change:
 
     snakemake, dvc : what an engine finds out of date instead, where that cannot be avoided; `dvc_follow` also follows
     options : of Snakemake
-    restored : jobs whose outputs DVC takes from its cache: out of date, but not run
+    restored : jobs that DVC finds out of date, but does not run: it takes their outputs from its cache, or finds what
+        they read restored
     """
 
     name: str
@@ -232,7 +233,8 @@ CHANGES = (
         (Edit("results/subset/C/train.csv"),),
         direct=("subset C",),
         snakemake=(),
-        restored=("subset C",),
+        dvc=("subset C", "train * C 0"),
+        restored=("subset C", "train * C 0"),
         note=LAZY,
     ),
     Change(
@@ -240,7 +242,8 @@ CHANGES = (
         (Edit("results/fog/beta_0.005/0000.tar"),),
         direct=("fog 0.005 0000",),
         snakemake=(),
-        restored=("fog 0.005 0000",),
+        dvc=("fog 0.005 0000", *(f"subset {row}" for row in PURE)),
+        restored=("fog 0.005 0000", *(f"subset {row}" for row in PURE)),
         note=LAZY,
     ),
     Change(
