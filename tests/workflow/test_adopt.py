@@ -50,7 +50,7 @@ def test_what_dvc_made_with_other_params_is_neither_planned_on_nor_certified(dvc
     for name in ("params.yaml", "params/smoke.yaml"):
         text = (folder / name).read_text()
         (folder / name).write_text(text.replace("learning_rate: 0.001\n", "learning_rate: 0.003\n"))
-    told = "results/train/bisenet/FC-498/seed-0/curve.csv: made with other params than those of"
+    told = "results/train/bisenet/FC-498/seed-0/curves.csv: made with other params than those of"
     assert told in refused(folder, "--from", "snakemake")
     call = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/smoke.yaml"]
     result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
