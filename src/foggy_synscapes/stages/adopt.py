@@ -63,7 +63,7 @@ def _from_snakemake(option: list[str]) -> None:
     if strange:
         raise FoggyError(
             f"{strange[0]}: made with other params than those of {DEFAULT} ({len(strange)} such files). Run "
-            f"dvc repro where DVC made it; else delete it and what follows, and run snakemake --cores 2{_spelt(option)}."
+            f"dvc repro where DVC made it; else delete it and what follows, then snakemake --cores 2{_spelt(option)}."
         )
     waiting = _snakemake_waits(option)
     if waiting:
