@@ -22,7 +22,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
 
-from engines import environment, for_dvc, hashes
+from engines import environment, hashes
 from kills import ENGINES, HOW, call, pause, prepared, run_until
 
 KEPT, MODEL = "results/filter/kept.csv", "results/train/refinenet/C/seed-0/model.safetensors"
@@ -168,10 +168,7 @@ def cases(chosen: str, scratch: Path, clean: dict[str, str]) -> int:
         for name in ENGINES:
             if chosen not in title:
                 continue
-            folder = prepared(name, scratch / f"{title} {name}")
-            shutil.copy(folder / "params/smoke.yaml", folder / "params.yaml")
-            if not (folder / ".git").exists():
-                for_dvc(folder)
+            folder = prepared("dvc", scratch / f"{title} {name}")  # Snakemake runs there as well
             status, said = fault(folder, name)
             clear = any(word in said for word in words) and "Traceback" not in said and bool(status) >= fails
             after, more = faulty(folder, engine(name, goal))

@@ -33,7 +33,7 @@ def hold(alone: bool = True) -> IO[bytes]:
     file = _take(fcntl.LOCK_EX)
     _wait_for_jobs()
     if not alone:
-        fcntl.flock(file, fcntl.LOCK_SH)
+        _lock(file, fcntl.LOCK_SH)
     return file
 
 
