@@ -1,4 +1,4 @@
-"""How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--rounds 12] [--samples DIR] [--png-level 0]
+"""How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--rounds 40] [--samples DIR] [--png-level 0]
 
 Five foggy images of each 1440 x 720 frame, on the two real Synscapes samples where --samples (or ../shared/data) has
 them, otherwise on generated frames that decode and encode about as fast.
@@ -163,7 +163,7 @@ def line(name: str, value: str, target: str = "", good: bool = True) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", type=int, default=100, help="frames of the runs of the command (default: 100)")
-    parser.add_argument("--rounds", type=int, default=12, help="times that codecs and fog are measured (default: 12)")
+    parser.add_argument("--rounds", type=int, default=40, help="times that codecs and fog are measured (default: 40)")
     parser.add_argument("--samples", type=Path, default=Path("../shared/data"), help="folder of the real samples")
     parser.add_argument("--png-level", type=int, choices=range(4), default=0, help="of `foggy fog` (default: 0)")
     args = parser.parse_args()

@@ -11,10 +11,6 @@ import numba
 if numba.config.CPU_FEATURES is None and platform.machine() == "x86_64":
     numba.config.CPU_FEATURES = llvmlite.binding.get_host_cpu_features().flatten() + ",-prefer-256-bit"
 
-# Loops over numbers of 32 bits that store 8 bits would take 8 at a time, as many as fill a register before they are
-# narrowed, not after. With more, narrowing takes a third of the steps.
-llvmlite.binding.set_option("", "--vectorizer-maximize-bandwidth")
-
 
 def compiled(function: Callable) -> Callable:
     """Compile a function of arrays and numbers; in each process anew where machine code can be kept nowhere."""

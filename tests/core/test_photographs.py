@@ -13,7 +13,7 @@ from PIL import Image
 
 from foggy_synscapes.io import photographs
 from foggy_synscapes.io.images import encode_png, read_rgb
-from foggy_synscapes.io.photographs import LONGEST, MATCH_BITS, MATCH_SYMBOL, code_lengths, encode_photograph
+from foggy_synscapes.io.photographs import CODING, LONGEST, code_lengths, encode_photograph
 
 RNG = np.random.default_rng(7)
 
@@ -115,8 +115,8 @@ def test_code_lengths_by_hand() -> None:
 
 def test_match_lengths_are_those_of_the_standard() -> None:
     """RFC 1951, section 3.2.5: 3 is 257, 11 and 12 are 265 with one bit, 257 is 284 with 31, 258 is 285 alone."""
-    assert (MATCH_SYMBOL[[3, 10, 11, 12, 13, 257, 258]] == [257, 264, 265, 265, 266, 284, 285]).all()
-    assert (MATCH_BITS[[3, 10, 11, 12, 19, 257, 258]] == [0, 0, 1, 1, 2, 5, 0]).all()
+    assert (CODING[1][[3, 10, 11, 12, 13, 257, 258]] == [257, 264, 265, 265, 266, 284, 285]).all()
+    assert (CODING[2][[3, 10, 11, 12, 19, 257, 258]] == [0, 0, 1, 1, 2, 5, 0]).all()
 
 
 def test_the_stream_is_one_that_zlib_ends_at_its_last_byte() -> None:

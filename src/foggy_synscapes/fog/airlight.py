@@ -69,10 +69,10 @@ def dark_channel(image: np.ndarray) -> np.ndarray:
     >>> dark_channel(image)[0].tolist()
     [9, 9, 9, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 9, 9]
     """
-    from foggy_synscapes.fog import kernel
+    from foggy_synscapes.fog import haze
 
     dark = np.empty(image.shape[:2], np.uint8)
-    kernel.dark_channel(np.ascontiguousarray(image), WINDOW // 2, dark)
+    haze.dark_channel(np.ascontiguousarray(image), WINDOW // 2, dark)
     return dark
 
 
@@ -111,16 +111,16 @@ def candidates(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     >>> int(rows[0]), int(columns[0])
     (1, 0)
     """
-    from foggy_synscapes.fog import kernel
+    from foggy_synscapes.fog import haze
 
     wanted = dark.size // SHARE
     wanted += (wanted + 1) % 2
     found: list[np.ndarray] = []
     level = int(dark.max())
     while wanted > 0:
-        per_column = kernel.count(dark, np.uint8(level))
+        per_column = haze.count(dark, np.uint8(level))
         here = np.empty((2, min(wanted, int(per_column.sum()))), np.int64)
-        kernel.find(dark, np.uint8(level), per_column, *here)
+        haze.find(dark, np.uint8(level), per_column, *here)
         found.append(here)
         wanted -= here.shape[1]
         level -= 1

@@ -2,15 +2,18 @@
 
 Samples are first computed in float32, many at a time, as v = 256.5 + F with F from 0 to 255. In that range a float32
 counts in steps of 2^-15, here called units, so the lowest bits of v are, without any conversion, 15 bits of fraction
-and 8 bits of level: floor(F + 0.5). The error of v against exact arithmetic is below 3 units (0.00009 of a level):
+and 8 bits of level: floor(F + 0.5). Where a beta is twice the one before it, its transmittance is the square of that
+one's. The error of v against exact arithmetic, where t is the product of n values of exp(-x / n):
   - distance, beta and their product in float32: at most 5 roundings, relative 3.0e-7 of the exponent x, so
-    255 x exp(-x) 3.0e-7 <= 2.8e-5 levels, 0.92 units;
+    relative 3.0e-7 x of t;
   - exp: polynomial 2.6e-9, the last rounding of Horner's scheme 6.0e-8, the one before it and those of products and
-    coefficients, scaled down by f <= 0.5, 5e-8 together: 255 * 1.1e-7 = 2.8e-5 levels, 0.92 units;
+    coefficients, scaled down by f <= 0.5, 5e-8 together: relative 1.13e-7, n times;
+  - squares: 6.0e-8 for each of n - 1 products;
+  - all this times 255 t = 255 exp(-x), at the worst x: 1.4 units for n = 1, 2.4 for n = 2, 5.3 for n = 4;
   - product with the difference of two colours and sum: 0.25 + 0.5 units.
-Samples within 3 units of a step, about one in 5,000, are computed again in float64 with the published formula.
-So the result never depends on the width of the processor's vectors, nor on whether it multiplies and adds in one
-step, and equals that of plain float64 code.
+Samples within 3, 4 and 7 units of a step, about one in 4,000, are computed again in float64 with the published
+formula. So the result never depends on the width of the processor's vectors, nor on whether it multiplies and adds in
+one step, and equals that of plain float64 code.
 
 What lies behind an optical depth of 6.25, such as the sky, is the airlight without any work: 255 exp(-6.25) = 0.492 is
 less than half a level, whatever the clear image shows there.
@@ -19,8 +22,13 @@ Colours are apart, as planes, as long as they are computed with: mixed, they wou
 """
 
 import math
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 from foggy_synscapes.compiled import compiled, fused
 
@@ -28,76 +36,84 @@ from foggy_synscapes.compiled import compiled, fused
 F, U = np.float32, np.uint32
 I = np.int32  # noqa: E741
 LOG2E = math.log2(math.e)
-HALF_UP = F(256.5)
-# v is taken MARGIN units too high: a sample that may lie on the other side of a step then has a fraction below NEAR.
-MARGIN, NEAR = F(3 * 2.0**-15), U(2 * 3)
-SHIFT, FRACTION = U(15), U(2**15 - 1)
-WHITE = F(255)
+HALF_UP, UNIT = 256.5, 2.0**-15
+MARGINS = {1: 3, 2: 4, 4: 7}
+"""Units by which v is taken too high, by the number of factors of t: then a sample that may lie on the other side of a
+step has a fraction below twice as many."""
 # Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
 ROUNDER, EXPONENT = F(12582912.0), I(23)
-# 2^-60 is 0 beside every other term; below 2^-126 the exponent bits would wrap around.
-LOWEST = F(-60)
+# 2^-30 is 0 beside every other term; the fourth power of what is below 2^-31 could not be represented.
+LOWEST = F(-30)
 # 2^f on [-0.5, 0.5] as a polynomial through 7 Chebyshev nodes; relative error 2.6e-9.
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 HIDDEN = F(-6.25 * LOG2E)
 SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
-GROUP = 64  # pixels that are hidden together or not
-WORD, FOUR, ONE = np.uint64(8), np.uint64(4), np.uint64(1)  # unsigned: no index can be negative
+GROUP = 64  # pixels that are hidden together or not: a whole number of blocks
+PIXELS = np.uint64(GROUP)  # unsigned: no index can be negative
+
+# Compositing is written in vectors, as code of LLVM and of no processor in particular. A compiler would find vectors in
+# a loop too, but narrow the levels of each channel by itself, which takes half of the time; here four vectors of words
+# are laid over each other before their bytes are brought into order.
+BLOCK = 32
+"""Pixels that are composited together: four vectors of eight."""
+
+BYTE, HALF, WORD, ADDRESS = ir.IntType(8), ir.IntType(16), ir.IntType(32), ir.IntType(64)
+FLOATS, WORDS = ir.VectorType(ir.FloatType(), 8), ir.VectorType(WORD, 8)
+HALVES, BYTES = ir.VectorType(HALF, 16), ir.VectorType(BYTE, 32)
+# Four vectors, interleaved as bytes 0, 2, 1, 3 of each word, one after the other.
+IN_ORDER = ir.Constant(ir.VectorType(WORD, 32), [4 * lane + place for place in (0, 2, 1, 3) for lane in range(8)])
 
 
 @compiled
-def _copy(values, out):
-    for x in range(values.size):  # an assignment to out[:] takes four times as long
-        out[x] = values[x]
+def _split(pixels, y, planes):
+    """A row of pixels, uint8 (H, 3 W), as planes of colour, uint8 (3, W)."""
+    for x in range(pixels.shape[1] // 3):
+        planes[0, x] = pixels[y, 3 * x]
+        planes[1, x] = pixels[y, 3 * x + 1]
+        planes[2, x] = pixels[y, 3 * x + 2]
 
 
 @compiled
-def _fill(value, out):
-    for x in range(out.size):
-        out[x] = value
-
-
-@compiled
-def _split(pixels, red, green, blue):
-    for x in range(red.size):
-        red[x] = pixels[3 * x]
-        green[x] = pixels[3 * x + 1]
-        blue[x] = pixels[3 * x + 2]
-
-
-@compiled
-def _mix(levels, out):
+def _mix(planes, out):
     """Planes of colour, uint8 (3, W), as pixels, uint8 (3 W,)."""
-    red, green, blue = levels[0], levels[1], levels[2]
-    for x in range(red.size):
-        out[3 * x] = red[x]
-        out[3 * x + 1] = green[x]
-        out[3 * x + 2] = blue[x]
+    for x in range(out.size // 3):
+        out[3 * x] = planes[0, x]
+        out[3 * x + 1] = planes[1, x]
+        out[3 * x + 2] = planes[2, x]
 
 
 @compiled
-def _mix_filtered(levels, out):
+def _mix_filtered(planes, out):
     """Planes of colour, uint8 (3, W), as a PNG's scan line with the filter Sub, uint8 (1 + 3 W,)."""
-    red, green, blue, steps = levels[0, 1:], levels[1, 1:], levels[2, 1:], out[4:]
-    left_red, left_green, left_blue = levels[0, :-1], levels[1, :-1], levels[2, :-1]
-    out[0], out[1], out[2], out[3] = SUB_FILTER, levels[0, 0], levels[1, 0], levels[2, 0]
-    for x in range(red.size):
-        steps[3 * x] = red[x] - left_red[x]
-        steps[3 * x + 1] = green[x] - left_green[x]
-        steps[3 * x + 2] = blue[x] - left_blue[x]
+    out[0], out[1], out[2], out[3] = SUB_FILTER, planes[0, 0], planes[1, 0], planes[2, 0]
+    for x in range(out.size // 3 - 1):
+        out[3 * x + 4] = planes[0, x + 1] - planes[0, x]
+        out[3 * x + 5] = planes[1, x + 1] - planes[1, x]
+        out[3 * x + 6] = planes[2, x + 1] - planes[2, x]
 
 
 @compiled
-def _differences(levels, light, out):
-    for x in range(levels.size):
-        out[x] = F(levels[x]) - light
+def _fill(colour, first, last, planes):
+    for c in range(3):
+        for x in range(first, last):
+            planes[c, x] = colour[c]
 
 
 @compiled
-def _distances(depth, row, columns, out):
-    for x in range(out.size):
-        out[x] = depth[x] * math.sqrt(row + columns[x])
+def _differences(pixels, y, light, out):
+    """A row of pixels, uint8 (H, 3 W), minus the airlight, as planes of colour, float32 (3, W)."""
+    red, green, blue = light[0], light[1], light[2]
+    for x in range(pixels.shape[1] // 3):
+        out[0, x] = F(pixels[y, 3 * x]) - red
+        out[1, x] = F(pixels[y, 3 * x + 1]) - green
+        out[2, x] = F(pixels[y, 3 * x + 2]) - blue
+
+
+@compiled
+def _distances(depth, y, row, columns, out):
+    for x in range(columns.size):
+        out[x] = depth[y, x] * math.sqrt(row + columns[x])
 
 
 @compiled
@@ -122,9 +138,9 @@ def _span(exponent, nearest, group):
 
 
 @fused
-def _transmittances(distance, exponent, out):
+def _transmittances(distance, exponent, first, last, t):
     """exp2(exponent * distance); NaN (infinity times 0) gives 0."""
-    for x in range(distance.size):
+    for x in range(first, last):
         e = exponent * distance[x]
         e = e if e >= LOWEST else LOWEST
         rounded = e + ROUNDER
@@ -132,45 +148,129 @@ def _transmittances(distance, exponent, out):
         power = (((((C6 * f + C5) * f + C4) * f + C3) * f + C2) * f + C1) * f + C0
         # times 2^integer: the integer is added to the exponent's bits
         bits = np.float32(power).view(np.int32) + (np.float32(rounded).view(np.int32) << EXPONENT)
-        out[x] = np.int32(bits).view(np.float32)
-
-
-@fused
-def _composite(t, reds, greens, blues, bases, red, green, blue, flags):
-    """v = base + t difference for three channels; `red` ... get the levels, `flags` the pixels close to a step."""
-    for x in range(t.size):
-        r = np.float32(bases[0] + t[x] * reds[x]).view(np.uint32)
-        g = np.float32(bases[1] + t[x] * greens[x]).view(np.uint32)
-        b = np.float32(bases[2] + t[x] * blues[x]).view(np.uint32)
-        red[x] = np.uint8(r >> SHIFT)
-        green[x] = np.uint8(g >> SHIFT)
-        blue[x] = np.uint8(b >> SHIFT)
-        flags[x] = np.uint8(min(r & FRACTION, min(g & FRACTION, b & FRACTION)) < NEAR)
-
-
-@fused
-def _quantize(t, out, flags):
-    base = HALF_UP + MARGIN
-    for x in range(t.size):
-        v = np.float32(base + t[x] * WHITE).view(np.uint32)
-        out[x] = np.uint8(v >> SHIFT)
-        flags[x] = np.uint8((v & FRACTION) < NEAR)
+        t[x] = np.int32(bits).view(np.float32)
 
 
 @compiled
-def _flagged(flags, words, first, last, found):
-    """Pixels from `first`, that of a group, to before `last` whose flag is set, into `found`; their number.
+def _square(t, first, last):
+    for x in range(first, last):
+        t[x] = t[x] * t[x]
 
-    flags : uint8, of whole groups, 0 behind the end of the row; words : the same as int64
+
+@intrinsic
+def _composite_block(typing, t, differences, levels, wide, bases, near) -> tuple[types.Type, Callable]:
+    """Composite one block: whether one of its samples lies near a step.
+
+    t, differences, levels : addresses of the block's first pixel in arrays float32 (wide,), float32 (3, wide) and
+        uint8 (3, wide), the last written; the sample is v = bases[c] + t difference, its level bits 15 to 22 of v
+    bases : three float32 from 256 up, such that v stays below 512; near : uint32, a step is near where bits 0 to 14
+        of v are less
     """
+
+    def build(context: Any, builder: ir.IRBuilder, signature: Any, arguments: list[ir.Value]) -> ir.Value:
+        *_, levels, wide, _, near = arguments
+        lowest = None
+        for channel, vectors in enumerate(_samples(builder, arguments)):
+            for vector in vectors:
+                halves = builder.bitcast(vector, HALVES)  # the lower ones are fractions, the upper ones far larger
+                lowest = halves if lowest is None else _smaller(builder, halves, lowest)
+            one, other = _overlaid(builder, *vectors[:2]), _overlaid(builder, *vectors[2:])
+            bytes_ = builder.or_(builder.and_(one, _all(HALVES, 255)), builder.shl(other, _all(HALVES, 8)))
+            bytes_ = builder.bitcast(bytes_, BYTES)
+            ordered = builder.shuffle_vector(bytes_, bytes_, IN_ORDER)
+            place = _moved(builder, levels, wide, channel)
+            builder.store(ordered, builder.inttoptr(place, BYTES.as_pointer()), align=1)
+        limit = _spread(builder, builder.trunc(_doubled(builder, near), HALF), HALVES)
+        close = builder.icmp_unsigned("<", lowest, limit)
+        return builder.icmp_unsigned("!=", builder.bitcast(close, HALF), ir.Constant(HALF, 0))
+
+    return types.boolean(t, differences, levels, wide, bases, near), build
+
+
+@intrinsic
+def _close_pixels(typing, t, differences, levels, wide, bases, near) -> tuple[types.Type, Callable]:
+    """Which pixels of a block have a sample near a step: uint32, the first pixel lowest; as in `_composite_block`."""
+
+    def build(context: Any, builder: ir.IRBuilder, signature: Any, arguments: list[ir.Value]) -> ir.Value:
+        lowest: list[Any] = [None] * 4
+        for vectors in _samples(builder, arguments):
+            for number, vector in enumerate(vectors):
+                fraction = builder.and_(vector, _all(WORDS, 0xFFFF))
+                before = lowest[number]
+                lowest[number] = fraction if before is None else _smaller(builder, fraction, before)
+        limit = _spread(builder, _doubled(builder, arguments[-1]), WORDS)
+        mask = ir.Constant(WORD, 0)
+        for number, fractions in enumerate(lowest):
+            bits = builder.zext(builder.bitcast(builder.icmp_unsigned("<", fractions, limit), BYTE), WORD)
+            mask = builder.or_(mask, builder.shl(bits, ir.Constant(WORD, 8 * number)))
+        return mask
+
+    return types.uint32(t, differences, levels, wide, bases, near), build
+
+
+def _samples(builder: ir.IRBuilder, arguments: list[ir.Value]) -> Iterator[list[ir.Value]]:
+    """For each channel the samples' bits times 2, four vectors: the upper half of each word ends in its level."""
+    t, differences, _, wide, bases, _ = arguments
+    shares = _loaded(builder, t)
+    for channel in range(3):
+        base = _spread(builder, builder.extract_value(bases, channel), FLOATS)
+        place = _moved(builder, differences, builder.mul(wide, ir.Constant(ADDRESS, 4)), channel)
+        vectors = []
+        for share, difference in zip(shares, _loaded(builder, place), strict=True):
+            # In one step or in two, as the processor can.
+            product = builder.fmul(share, difference, flags=("contract",))
+            sample = builder.fadd(product, base, flags=("contract",))
+            vectors.append(builder.shl(builder.bitcast(sample, WORDS), _all(WORDS, 1)))
+        yield vectors
+
+
+def _overlaid(builder: ir.IRBuilder, one: ir.Value, other: ir.Value) -> ir.Value:
+    """The upper halves of two vectors' words, those of the first as lower halves."""
+    upper = builder.and_(other, _all(WORDS, 0xFFFF0000))
+    return builder.bitcast(builder.or_(builder.lshr(one, _all(WORDS, 16)), upper), HALVES)
+
+
+def _loaded(builder: ir.IRBuilder, address: ir.Value) -> list[ir.Value]:
+    places = [builder.add(address, ir.Constant(ADDRESS, 32 * number)) for number in range(4)]
+    return [builder.load(builder.inttoptr(place, FLOATS.as_pointer()), align=4) for place in places]
+
+
+def _moved(builder: ir.IRBuilder, address: ir.Value, step: ir.Value, times: int) -> ir.Value:
+    return builder.add(address, builder.mul(step, ir.Constant(ADDRESS, times)))
+
+
+def _doubled(builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+    return builder.shl(value, ir.Constant(value.type, 1))
+
+
+def _smaller(builder: ir.IRBuilder, one: ir.Value, other: ir.Value) -> ir.Value:
+    return builder.select(builder.icmp_unsigned("<", one, other), one, other)
+
+
+def _all(kind: ir.VectorType, value: int) -> ir.Constant:
+    return ir.Constant(kind, [value] * kind.count)
+
+
+def _spread(builder: ir.IRBuilder, value: ir.Value, kind: ir.VectorType) -> ir.Value:
+    single = builder.insert_element(ir.Constant(kind, ir.Undefined), value, ir.Constant(WORD, 0))
+    return builder.shuffle_vector(single, single, _all(ir.VectorType(WORD, kind.count), 0))
+
+
+@compiled
+def _composite(places, base, near, first, last, found):
+    """Composite blocks; those that have samples near a step go to `found`. Returns their number."""
+    t, differences, levels, wide = places
     count = 0
-    for word in range(np.uint64(first) // WORD, (np.uint64(last) + WORD - ONE) // WORD, FOUR):
-        # Four words at once: one pixel in 1,800 has a flag.
-        if words[word] | words[word + ONE] | words[word + ONE + ONE] | words[word + FOUR - ONE]:
-            for x in range(8 * np.int64(word), min(8 * np.int64(word + FOUR), last)):
-                found[count] = x
-                count += flags[x]
+    for x in range(first, last, BLOCK):
+        found[count] = x
+        count += _composite_block(t + 4 * x, differences + 4 * x, levels + x, wide, base, near)
     return count
+
+
+@compiled
+def _close(places, base, near, x):
+    t, differences, levels, wide = places
+    return _close_pixels(t + 4 * x, differences + 4 * x, levels + x, wide, base, near)
 
 
 @compiled
@@ -183,208 +283,97 @@ def _level(radiance):
     return np.uint8(math.floor(255.0 * radiance + 0.5))
 
 
-class _Scratch:
-    """Memory for one row, and what all rows share; made outside the loops, which compile faster without it."""
-
-    def __init__(self, rows: np.ndarray, columns: np.ndarray, scale: float, betas: np.ndarray) -> None:
-        width = columns.size
-        self.geometry = rows, columns, scale, (rows / scale).astype(F), (columns / scale).astype(F)
-        # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
-        self.fog = betas, np.maximum(-betas * LOG2E, -3e38).astype(F)
-        groups = (width + GROUP - 1) // GROUP
-        distance, nearest = np.empty(width, F), np.empty(groups, F)
-        self.distance = distance, distance.view(I), nearest, nearest.view(I), np.empty(width, F)
-        flags = np.zeros(groups * GROUP, np.uint8)
-        self.flags = flags, flags.view(np.int64), np.empty(width + 1, np.int64)
+def _factors(betas: np.ndarray) -> list[int]:
+    """Of how many exponentials each transmittance is the product; more than 1: the square of the one before."""
+    factors: list[int] = []
+    for b, beta in enumerate(betas):
+        # Betas that float32 represents in full.
+        twice = b > 0 and betas[b - 1] > 1e-37 and math.isclose(beta, 2 * betas[b - 1], rel_tol=1e-12)
+        factors.append(2 * factors[-1] if twice and 2 * factors[-1] in MARGINS else 1)
+    return factors
 
 
-def render(image, depth, rows, columns, scale, betas, airlight, out, filtered) -> None:
-    """Fog on one image at each beta.
+class Renderer:
+    """Fog at each beta on rows of images of one width, geometry and airlight; it owns the memory for one row.
 
-    image : uint8 (H, W, 3); depth : float32 (H, W), metres; distance = depth sqrt((rows[y] + columns[x]) / scale)
+    columns, scale : distance = depth sqrt((row + columns[x]) / scale), float64 (W,) and a number
     betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,)
-    out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
     """
-    height, width = depth.shape
-    scratch = _Scratch(rows, columns, scale, betas)
-    _render(
-        image.reshape(height, 3 * width),  # flat rows: the compiler sees the step of 3, and takes whole vectors
-        out,
-        filtered,
-        depth,
-        *scratch.geometry,
-        *scratch.fog,
-        airlight,
-        airlight.astype(F),
-        *np.empty((2, 3, width), np.uint8),
-        np.empty((3, width), F),
-        *scratch.distance,
-        *scratch.flags,
-    )
+
+    def __init__(self, columns: np.ndarray, scale: float, betas: np.ndarray, airlight: np.ndarray) -> None:
+        order = np.argsort(betas, kind="stable")
+        betas, factors = betas[order], _factors(betas[order])
+        margins = np.array([MARGINS[number] for number in factors], U)
+        light = airlight.astype(F)
+        # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
+        exponents = np.maximum(-betas * LOG2E, -3e38).astype(F)
+        bases = (light + HALF_UP + UNIT * margins[:, None]).astype(F)
+        # Rows are of whole groups: behind their end lies the airlight, infinitely far away.
+        groups = -(-columns.size // GROUP)
+        wide = groups * GROUP
+        distance, nearest, t = np.full(wide, np.inf, F), np.empty(groups, F), np.empty(wide, F)
+        differences, levels = np.zeros((3, wide), F), np.empty((3, wide), np.uint8)
+        self._scale = scale
+        self._constants = (
+            (columns, scale, (columns / scale).astype(F)),
+            (order, betas, exponents, np.array(factors) > 1, bases, 2 * margins),
+            (airlight, light),
+            (distance, distance.view(I), nearest, nearest.view(I), t, differences, levels),
+            (t.ctypes.data, differences.ctypes.data, levels.ctypes.data, wide),
+            np.empty(wide // BLOCK + 1, np.int64),
+        )
+
+    def render(self, image: np.ndarray, depth: np.ndarray, rows: np.ndarray, out: np.ndarray, filtered: bool) -> None:
+        """Fog on one image, or some of its rows.
+
+        image : uint8 (H, W, 3); depth : float32 (H, W), metres; rows : float64 (H,), of the distance's formula
+        out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
+        """
+        flat = image.reshape(len(rows), -1)  # the compiler sees the step of 3, and takes whole vectors
+        _render(flat, depth, rows, (rows / self._scale).astype(F), out, filtered, *self._constants)
 
 
 @compiled
-def _render(
-    image, out, filtered, depth, rows, columns, scale, rows32, columns32, betas, exponents, airlight, light, clear,
-    levels, differences, distance, ranks, nearest, ranked, t, flags, words, found,
-):  # fmt: skip
+def _render(image, depth, rows, rows32, out, filtered, geometry, fog, lights, row, places, found):
+    (columns, scale, columns32), (airlight, light) = geometry, lights
+    order, betas, exponents, squares, bases, nears = fog
+    distance, ranks, nearest, ranked, t, differences, levels = row
     width = columns.size
     stride = 3 * width + filtered
-    red, green, blue = levels[0], levels[1], levels[2]
-    up = HALF_UP + MARGIN
-    bases = light[0] + up, light[1] + up, light[2] + up
     for y in range(rows.size):
-        _distances(depth[y], rows32[y], columns32, distance)
+        _distances(depth, y, rows32[y], columns32, distance)
         _nearest(ranks, ranked)
-        _split(image[y], clear[0], clear[1], clear[2])
-        for c in range(3):
-            _differences(clear[c], light[c], differences[c])
+        _differences(image, y, light, differences)
         for b in range(betas.size):
+            base = bases[b, 0], bases[b, 1], bases[b, 2]
+            near = nears[b]
             group = 0
             if betas[b] == 0:  # no fog: also at infinite distance the image itself
-                for c in range(3):
-                    _copy(clear[c], levels[c])
+                _split(image, y, levels)
                 group = nearest.size
             while group < nearest.size:
                 hidden, end = _span(exponents[b], nearest, group)
-                first, last = group * GROUP, min(end * GROUP, width)
-                part, group = slice(first, last), end
+                first, last = np.uint64(group) * PIXELS, np.uint64(end) * PIXELS
+                start, stop = group * GROUP, end * GROUP
+                group = end
                 if hidden:
-                    _fill(airlight[0], red[part])
-                    _fill(airlight[1], green[part])
-                    _fill(airlight[2], blue[part])
+                    _fill(airlight, first, last, levels)
                     continue
-                _transmittances(distance[part], exponents[b], t[part])
-                apart = differences[0, part], differences[1, part], differences[2, part]
-                _composite(t[part], *apart, bases, red[part], green[part], blue[part], flags[part])
-                for i in range(_flagged(flags, words, first, last, found)):
-                    x = found[i]
-                    share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
-                    for c in range(3):
-                        hidden_part = (1.0 - share) * (airlight[c] / 255.0)
-                        levels[c, x] = _level(share * (clear[c, x] / 255.0) + hidden_part)
-            line = out[b, y * stride : (y + 1) * stride]
+                if squares[b]:
+                    _square(t, first, last)
+                else:
+                    _transmittances(distance, exponents[b], first, last, t)
+                for i in range(_composite(places, base, near, start, stop, found)):
+                    block = found[i]
+                    mask = _close(places, base, near, block)
+                    for x in range(block, min(block + BLOCK, width)):
+                        if mask >> U(x - block) & U(1):
+                            share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
+                            for c in range(3):
+                                hidden_part = (1.0 - share) * (airlight[c] / 255.0)
+                                levels[c, x] = _level(share * (image[y, 3 * x + c] / 255.0) + hidden_part)
+            line = out[order[b], y * stride : (y + 1) * stride]
             if filtered:
                 _mix_filtered(levels, line)
             else:
                 _mix(levels, line)
-
-
-def render_transmittance(depth, rows, columns, scale, betas, levels) -> None:
-    """Transmittance at each beta as levels: uint8 (B, H, W), written; the rest as in `render`."""
-    scratch = _Scratch(rows, columns, scale, betas)
-    _render_transmittance(levels, depth, *scratch.geometry, *scratch.fog, *scratch.distance, *scratch.flags)
-
-
-@compiled
-def _render_transmittance(
-    levels, depth, rows, columns, scale, rows32, columns32, betas, exponents,
-    distance, ranks, nearest, ranked, t, flags, words, found,
-):  # fmt: skip
-    width = columns.size
-    for y in range(rows.size):
-        _distances(depth[y], rows32[y], columns32, distance)
-        _nearest(ranks, ranked)
-        for b in range(betas.size):
-            out = levels[b, y]
-            if betas[b] == 0:
-                _fill(np.uint8(255), out)
-                continue
-            group = 0
-            while group < nearest.size:
-                hidden, end = _span(exponents[b], nearest, group)
-                first, last = group * GROUP, min(end * GROUP, width)
-                part, group = slice(first, last), end
-                if hidden:
-                    _fill(np.uint8(0), out[part])
-                    continue
-                _transmittances(distance[part], exponents[b], t[part])
-                _quantize(t[part], out[part], flags[part])
-                for i in range(_flagged(flags, words, first, last, found)):
-                    x = found[i]
-                    out[x] = _level(_exact(betas[b], depth[y, x], rows[y], columns[x], scale))
-
-
-@compiled
-def survey(depth):
-    """Number of values that are negative or NaN, and of values that are 0."""
-    wrong, zero = 0, 0
-    for y in range(depth.shape[0]):
-        row = depth[y]
-        low, none = I(0), I(0)
-        for x in range(row.size):
-            low += I(0) if row[x] >= F(0) else I(1)
-            none += I(1) if row[x] == F(0) else I(0)
-        wrong += low
-        zero += none
-    return wrong, zero
-
-
-@compiled
-def dark_channel(image, half, out):
-    """Minimum over three channels and a square of 2 half + 1 pixels, half = 2^n - 1; uint8 (H, W, 3) to (H, W).
-
-    Windows of 2, 4, ... 2^n values that begin at a pixel come from two of half the size. The square around a pixel
-    is the window that begins there and the one that ends there; near the first edge, where `half` predecessors
-    are missing, those that are there lie in the first window. Parts outside the image do not count.
-    """
-    height, width = out.shape
-    line, other = np.empty(width, np.uint8), np.empty(width, np.uint8)
-    for y in range(height):
-        row = image[y].reshape(3 * width)
-        for x in range(width):
-            line[x] = min(row[3 * x], min(row[3 * x + 1], row[3 * x + 2]))
-        step = 1
-        while step <= half:
-            _copy(line, other)
-            _lower(line[:-step], other[step:])
-            step *= 2
-        _copy(line, out[y])
-        _lower(out[y, half:], line[:-half])
-        for x in range(min(half, width)):
-            out[y, x] = min(line[x], line[0])
-    step = 1
-    while step <= half:
-        for y in range(height - step):
-            _lower(out[y], out[y + step])
-        step *= 2
-    for y in range(height - 1, 0, -1):
-        _lower(out[y], out[max(y - half, 0)])
-
-
-@compiled
-def _lower(values, others):
-    """values = min(values, others), which must be other memory: only then whole vectors can be taken."""
-    for x in range(values.size):
-        values[x] = min(values[x], others[x])
-
-
-@compiled
-def count(values, level):
-    """How many values are equal to `level`, per column: int32 (W,)."""
-    found, few = np.zeros(values.shape[1], I), np.empty(values.shape[1], np.uint8)
-    for top in range(0, values.shape[0], 255):  # as many as 8 bits can count: a vector holds four times as many
-        _fill(np.uint8(0), few)
-        for y in range(top, min(top + 255, values.shape[0])):
-            row = values[y]
-            for x in range(row.size):
-                few[x] += np.uint8(row[x] == level)
-        for x in range(found.size):
-            found[x] += few[x]
-    return found
-
-
-@compiled
-def find(values, level, per_column, rows, columns):
-    """The first pixels that are equal to `level`, by column and then row, as many as `rows`, `columns` have room for.
-
-    per_column : how many there are in each column, as `count` gives; at least as many in all as there is room for
-    """
-    number, column = 0, 0
-    while number < rows.size:
-        if per_column[column] > 0:
-            for y in range(values.shape[0]):
-                if number < rows.size and values[y, column] == level:
-                    rows[number], columns[number] = y, column
-                    number += 1
-        column += 1

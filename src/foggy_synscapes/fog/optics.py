@@ -5,11 +5,15 @@ along the ray. Source: Koschmieder 1924; paper, equations (1) and (2).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from foggy_synscapes.fog.geometry import Rays
+
+if TYPE_CHECKING:
+    from foggy_synscapes.fog.kernel import Renderer
 
 CONTRAST = 2.996
 """beta times meteorological optical range: -ln 0.05, rounded as in the paper, section III."""
@@ -88,27 +92,36 @@ def foggy_images(
            [200, 200, 200]], dtype=uint8)
     """
     count_zero_depth(depth)
+    renderer, pixels, metres = _prepared(image, depth, rays, airlight, betas)
     images = np.empty((len(betas), *image.shape), np.uint8)
-    _render(image, depth, rays, airlight, betas, images.reshape(len(betas), -1), False)
+    renderer.render(pixels, metres, rays.rows, images.reshape(len(betas), -1), filtered=False)
     return images
 
 
 def foggy_scan_lines(
     image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float], out: np.ndarray
-) -> None:
-    """The same as scan lines of PNG, for its encoder: each pixel minus the one on its left (filter Sub).
+) -> Iterator[np.ndarray]:
+    """The same as scan lines of PNG, for its encoder, some rows at a time: uint8 (B, n), parts of `out`.
+
+    A scan line is the number of its filter (Sub) and each pixel minus the one on its left: 1 + 3 W bytes.
 
     depth : one that `count_zero_depth` has let through; it is not looked through again
-    out : uint8 (B, n), written; n at least (1 + 3 W) H, the rest is left as it is
+    out : uint8 (B, m), written anew for each part, which has as many rows as there is room for
 
     Raises ValueError as `foggy_images` does, but for values of depth.
     """
-    _render(image, depth, rays, airlight, betas, out, True)
+    renderer, pixels, metres = _prepared(image, depth, rays, airlight, betas)
+    line = 1 + 3 * image.shape[1]
+    if out.dtype != np.uint8 or out.ndim != 2 or len(out) != len(betas) or out.shape[1] < line:
+        raise ValueError(f"out: {out.dtype} {out.shape}, expected uint8 ({len(betas)}, {line}) or more")
+    step = out.shape[1] // line
+    for top in range(0, len(pixels), step):
+        rows = rays.rows[top : top + step]
+        renderer.render(pixels[top : top + step], metres[top : top + step], rows, out, filtered=True)
+        yield out[:, : len(rows) * line]
 
 
-def transmittance_images(
-    depth: np.ndarray, rays: Rays, betas: Sequence[float], out: np.ndarray | None = None
-) -> np.ndarray:
+def transmittance_images(depth: np.ndarray, rays: Rays, betas: Sequence[float]) -> np.ndarray:
     """Transmittance at several densities in 8 bits: uint8 (B, H, W), floor(255 t + 0.5).
 
     Parameters and errors as in `foggy_images`; a beta of 0 gives 255 everywhere.
@@ -117,42 +130,27 @@ def transmittance_images(
     >>> transmittance_images(np.array([[0.0, 100.0, np.inf]], np.float32), straight((1, 3)), [math.log(2) / 100])
     array([[[255, 128,   0]]], dtype=uint8)
     """
-    from foggy_synscapes.fog import kernel
-
-    count_zero_depth(depth)
-    _check(depth.shape, depth, rays, betas)
-    shape = (len(betas), *depth.shape)
-    levels = np.empty(shape, np.uint8) if out is None else out
-    if levels.shape != shape or levels.dtype != np.uint8 or not levels.flags.c_contiguous:
-        raise ValueError(f"out: {levels.dtype} {levels.shape}, expected contiguous uint8 {shape}")
-    metres = np.ascontiguousarray(depth)
-    kernel.render_transmittance(metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), levels)
-    return levels
+    white = np.full((*depth.shape, 3), 255, np.uint8)
+    return foggy_images(white, depth, rays, (0, 0, 0), betas)[..., 0]  # 255 t is white behind fog that shines nothing
 
 
 def count_zero_depth(depth: np.ndarray) -> int:
     """How many pixels lie at distance 0, which usually means missing depth; ValueError as in `foggy_images`."""
-    from foggy_synscapes.fog import kernel
-
     if depth.ndim != 2 or depth.dtype != np.float32:
         raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 (H, W)")
-    wrong, zero = kernel.survey(depth)
+    if depth.min(initial=math.inf) > 0:
+        return 0
+    wrong = depth.size - np.count_nonzero(depth >= 0)
     if wrong:
         raise ValueError(f"depth: {wrong} values are negative or not a number, expected metres")
-    return zero
+    return depth.size - np.count_nonzero(depth)
 
 
-def _render(
-    image: np.ndarray,
-    depth: np.ndarray,
-    rays: Rays,
-    airlight: Sequence[int],
-    betas: Sequence[float],
-    out: np.ndarray,
-    filtered: bool,
-) -> None:
+def _prepared(
+    image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float]
+) -> tuple["Renderer", np.ndarray, np.ndarray]:
     # Imported here: Numba takes half a second, and not all that reads this module renders fog.
-    from foggy_synscapes.fog import kernel
+    from foggy_synscapes.fog.kernel import Renderer
 
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
@@ -160,11 +158,8 @@ def _render(
     light = np.array(airlight, np.uint8)
     if light.shape != (3,):
         raise ValueError(f"airlight: {airlight}, expected three levels")
-    pixels, metres = np.ascontiguousarray(image), np.ascontiguousarray(depth)
-    size = image.size + len(image) * filtered  # a scan line begins with the number of its filter
-    if out.dtype != np.uint8 or out.ndim != 2 or len(out) != len(betas) or out.shape[1] < size:
-        raise ValueError(f"out: {out.dtype} {out.shape}, expected uint8 ({len(betas)}, {size}) or more")
-    kernel.render(pixels, metres, rays.rows, rays.columns, rays.scale, np.array(betas, float), light, out, filtered)
+    renderer = Renderer(rays.columns, rays.scale, np.array(betas, float), light)
+    return renderer, np.ascontiguousarray(image), np.ascontiguousarray(depth)
 
 
 def _check(shape: tuple[int, ...], depth: np.ndarray, rays: Rays, betas: Sequence[float]) -> None:

@@ -127,20 +127,17 @@ def foggy_pngs(clear: Clear, lines: Rays, light: Airlight, betas: list[str], lev
     height, width = clear.depth.shape
     photographs = [Photograph(height, width) for _ in betas]
     # Block by block: what was rendered is encoded while the processor's cache still has it.
-    rows = photographs[0].block
-    out = _buffer(len(betas), (min(rows, height) * photographs[0].stride + 7) // 8 * 8)
-    for top in range(0, height, rows):
-        image, depth = clear.image[top : top + rows], clear.depth[top : top + rows]
-        foggy_scan_lines(image, depth, lines.crop(top, 0, *depth.shape), light.levels, numbers, out)
-        for photograph, scan_lines in zip(photographs, out, strict=True):
-            photograph.add(scan_lines[: len(depth) * photograph.stride])
+    line = photographs[0].stride
+    out = _buffer(len(betas), (min(photographs[0].block, height) * line + 7) // 8 * 8)
+    for part in foggy_scan_lines(clear.image, clear.depth, lines, light.levels, numbers, out):
+        for photograph, scan_lines in zip(photographs, part, strict=True):
+            photograph.add(scan_lines)
     yield from (photograph.png() for photograph in photographs)
 
 
 def transmittance_pngs(clear: Clear, lines: Rays, betas: list[str], level: int) -> Iterator[bytes]:
     """Transmittance in 8 bits as PNG, one per beta in 1/m."""
-    out = _buffer(len(betas), *clear.depth.shape)
-    maps = transmittance_images(clear.depth, lines, [float(beta) for beta in betas], out)
+    maps = transmittance_images(clear.depth, lines, [float(beta) for beta in betas])
     yield from (encode_png(one, max(level, 1)) for one in maps)  # smooth maps repeat: matches pay
 
 

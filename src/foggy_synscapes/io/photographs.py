@@ -42,7 +42,7 @@ def _match_symbols() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return symbols, bits, values
 
 
-MATCH_SYMBOL, MATCH_BITS, MATCH_VALUE = _match_symbols()
+CODING = (ORDER, *_match_symbols())
 
 
 class Photograph:
@@ -73,16 +73,9 @@ class Photograph:
             raise ValueError(f"lines: {lines.size} bytes, expected 1 to {most} lines of {self.stride}")
         self._rows += rows
         self._checksum = isal_zlib.adler32(lines, self._checksum)
-        counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code, so that rows may be sampled
-        _count(lines, self.stride, counts)
-        lengths = code_lengths(counts)
-        codes = np.empty(SYMBOLS, np.uint64)
-        _assign(lengths, codes)
-        table = codes << LENGTH_BITS | lengths.astype(np.uint64)
-        _write_head(self._rows == self.size[0], lengths, ORDER, self._state, self._out)
         whole = lines.size // 8 * 8
-        _write_words(lines[:whole].view(np.uint64), table, _matches(codes, lengths), self._state, self._out)
-        _write_bytes(lines[whole:], table, self._state, self._out)
+        words, rest = lines[:whole].view(np.uint64), lines[whole:]
+        _write_block(self._rows == self.size[0], lines, self.stride, words, rest, *CODING, self._state, self._out)
 
     def png(self) -> bytes:
         """The file, once all rows were added; ValueError before."""
@@ -112,27 +105,45 @@ def encode_photograph(pixels: np.ndarray) -> bytes:
     return photograph.png()
 
 
-def code_lengths(counts: np.ndarray) -> np.ndarray:
+@compiled
+def code_lengths(counts):
     """Lengths in bits of Huffman codes for symbols that occur so often: int64 (n,), at most LONGEST.
 
     counts : int64 (n,), above 0
     """
-    parents, weights = np.empty((2, 2 * counts.size), np.int64)
+    parents, weights = np.empty(2 * counts.size, np.int64), np.empty(2 * counts.size, np.int64)
     lengths = np.empty(counts.size, np.int64)
-    while True:
-        order = np.argsort(counts, kind="stable")
-        _depths(counts[order], parents, weights)
-        lengths[order] = weights[: counts.size]
-        if lengths.max() <= LONGEST:
-            return lengths
-        counts = (counts + 1) // 2  # flatter counts give shorter longest codes
+    order = np.argsort(counts, kind="mergesort")  # stable: the same codes on every machine
+    ascending = counts[order]
+    _depths(ascending, parents, weights)
+    while weights[0] > LONGEST:  # the rarest symbol has the longest code
+        for i in range(ascending.size):  # flatter counts give shorter longest codes; their order stays
+            ascending[i] = (ascending[i] + 1) // 2
+        _depths(ascending, parents, weights)
+    for i in range(counts.size):
+        lengths[order[i]] = weights[i]
+    return lengths
 
 
-def _matches(codes: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Table entry of each match length: its symbol, its extra bits, and one bit 0 for the distance of 1."""
-    size = lengths[MATCH_SYMBOL]
-    bits = codes[MATCH_SYMBOL] | (MATCH_VALUE << size).astype(np.uint64)
-    return bits << LENGTH_BITS | (size + MATCH_BITS + 1).astype(np.uint64)
+@compiled
+def _write_block(last, lines, stride, words, rest, order, symbols, extra_bits, extra, state, out):
+    """Append scan lines, of which `words` are the first and `rest` the last bytes, as a block with codes of its own."""
+    counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code, so that rows may be sampled
+    _count(lines, stride, counts)
+    lengths = code_lengths(counts)
+    codes, table = np.empty(SYMBOLS, np.uint64), np.empty(SYMBOLS, np.uint64)
+    _assign(lengths, codes)
+    for symbol in range(SYMBOLS):
+        table[symbol] = _plain(codes[symbol], lengths[symbol])
+    # By match length: its symbol, its extra bits, and one bit 0 for the distance of 1.
+    matches = np.empty(symbols.size, np.uint64)
+    for length in range(SHORTEST_MATCH, symbols.size):
+        size = lengths[symbols[length]]
+        value = codes[symbols[length]] | np.uint64(extra[length]) << np.uint64(size)
+        matches[length] = _plain(value, size + extra_bits[length] + 1)
+    _write_head(last, lengths, order, state, out)
+    _write_words(words, table, matches, state, out)
+    _write_bytes(rest, table, state, out)
 
 
 @compiled
