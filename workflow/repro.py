@@ -90,7 +90,8 @@ def main(options: list[str]) -> int:
         repo = Repo()
         os.chdir(repo.root_dir)
         params.load("params.yaml")
-        with lock.hold(alone=False):
+        os.environ[lock.HELD] = "dvc"  # its jobs, should they outlive it, are then waited for, not taken for a run
+        with lock.hold():
             remove_leftovers("results")
             for name in mend(repo):
                 print(f"repro: {name} was torn by a kill; it is mended", file=sys.stderr)

@@ -55,13 +55,6 @@ def test_a_job_leaves_the_lock_to_the_engine_that_started_it(here: Path, monkeyp
         lock.join().close()
 
 
-def test_an_engine_that_starts_jobs_without_saying_so_keeps_out_another_but_not_them(here: Path) -> None:
-    with lock.hold(alone=False):
-        lock.join().close()
-        with pytest.raises(FoggyError, match="another run"):
-            lock.hold()
-
-
 def test_a_new_engine_waits_for_jobs_whose_engine_was_killed(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The job holds no lock of its own but this: its engine held the other one, and is gone."""
     monkeypatch.setenv(lock.HELD, "snakemake")

@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -78,6 +79,35 @@ def test_what_stops_it_is_one_line(folder: Path, capsys: pytest.CaptureFixture) 
     told = capsys.readouterr().err
     assert told.startswith("repro: Unable to acquire lock")
     assert "Traceback" not in told
+
+
+JOB = """
+import time
+from pathlib import Path
+from foggy_synscapes.io import lock
+held = lock.join()
+Path("begun").touch()
+while not Path("may end").exists():
+    time.sleep(0.05)
+Path("made").touch()
+"""
+
+
+def test_a_job_that_outlives_its_dvc_is_waited_for(folder: Path) -> None:
+    Path("job.py").write_text(JOB)
+    Path("dvc.yaml").write_text("stages:\n  job:\n    cmd: python job.py\n    deps: [job.py]\n    outs: [made]\n")
+    call = [sys.executable, "workflow/repro.py"]
+    first = subprocess.Popen(call, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not Path("begun").exists():
+        assert first.poll() is None
+        time.sleep(0.05)
+    first.kill()  # DVC alone
+    first.wait()
+    second = subprocess.Popen(call, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    assert second.stderr.readline() == "waiting for the end of jobs whose engine was killed\n"
+    Path("may end").touch()
+    assert "Traceback" not in second.communicate()[1]
+    assert second.returncode == 0
 
 
 @pytest.mark.xdist_group("chain")

@@ -14,33 +14,29 @@ from typing import IO
 from foggy_synscapes.errors import FoggyError
 
 PATH = Path(".foggy/lock")
-"""Held by an engine, or shared by the jobs of DVC."""
+"""Held by an engine, or shared by jobs that `dvc repro` alone started, or a person."""
 JOBS = Path(".foggy/jobs")
 """Shared by all jobs of any engine."""
 HELD = "FOGGY_LOCK"
 """Environment variable by which a job knows that its engine holds the lock."""
 
 
-def hold(alone: bool = True) -> IO[bytes]:
-    """Take the lock of this folder for an engine that starts several jobs; it is held while the file stays open.
+def hold() -> IO[bytes]:
+    """Take the lock of this folder for an engine, whose jobs know by HELD; it is held while the file stays open.
 
     Jobs of an engine that was killed are waited for.
-
-    alone : whether jobs that this process did not start by HELD are kept out, too
 
     Raises FoggyError if another engine or a job of it is at work here.
     """
     file = _take(fcntl.LOCK_EX)
     _wait_for_jobs()
-    if not alone:
-        _lock(file, fcntl.LOCK_SH)
     return file
 
 
 def join() -> ExitStack:
-    """Take part as a job, until the result is closed: keeps out Snakemake, unless it started the job.
+    """Take part as a job, until the result is closed: keeps out engines, unless one started the job.
 
-    Raises FoggyError if a Snakemake is at work here that did not start the job.
+    Raises FoggyError if an engine is at work here that did not start the job.
     """
     with ExitStack() as held:
         if not os.environ.get(HELD):
