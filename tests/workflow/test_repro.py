@@ -98,14 +98,16 @@ def test_a_job_that_outlives_its_dvc_is_waited_for(folder: Path) -> None:
     Path("dvc.yaml").write_text("stages:\n  job:\n    cmd: python job.py\n    deps: [job.py]\n    outs: [made]\n")
     call = [sys.executable, "workflow/repro.py"]
     first = subprocess.Popen(call, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while not Path("begun").exists():
-        assert first.poll() is None
-        time.sleep(0.05)
-    first.kill()  # DVC alone
-    first.wait()
-    second = subprocess.Popen(call, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    assert second.stderr.readline() == "waiting for the end of jobs whose engine was killed\n"
-    Path("may end").touch()
+    try:
+        while not Path("begun").exists():
+            assert first.poll() is None
+            time.sleep(0.05)
+        first.kill()  # DVC alone
+        first.wait()
+        second = subprocess.Popen(call, env=environment(), stdout=-3, stderr=subprocess.PIPE, text=True)
+        assert second.stderr.readline() == "waiting for the end of jobs whose engine was killed\n"
+    finally:
+        Path("may end").touch()
     assert "Traceback" not in second.communicate()[1]
     assert second.returncode == 0
 
