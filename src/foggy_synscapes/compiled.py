@@ -1,4 +1,7 @@
-"""How inner loops are compiled: by Numba, at their first call, the machine code kept for the next process."""
+"""How inner loops are compiled: by Numba, at their first call, the machine code kept for the next process.
+
+Machine code is kept until the file of its function changes. After an edit here, remove __pycache__/*.nbi.
+"""
 
 import platform
 from collections.abc import Callable

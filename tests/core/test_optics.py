@@ -28,7 +28,8 @@ RNG = np.random.default_rng(5)
 
 def oracle(image: np.ndarray, depth: np.ndarray, lines: Rays, airlight, beta: float) -> np.ndarray:
     """The published formula in plain float64 NumPy."""
-    t = np.exp(-beta * (depth.astype(np.float64) * lines.factor()))[..., None]
+    with np.errstate(over="ignore"):
+        t = np.exp(-beta * (depth.astype(np.float64) * lines.factor()))[..., None]
     radiance = t * (image / 255.0) + (1 - t) * (np.array(airlight) / 255.0)
     return np.clip(np.floor(255 * radiance + 0.5), 0, 255).astype(np.uint8)
 
@@ -168,6 +169,22 @@ def test_distance_zero_is_clear_and_infinity_is_airlight(beta: float) -> None:
         assert foggy[0].tolist() == [[40, 40, 40], list(LIGHT)]
 
 
+@pytest.mark.parametrize("beta", [1e-300, 1e-50, 1e-39, 1e-38, 2e-37, 5e36, 1e38, 1e40, 1e45, 1e300])
+def test_betas_that_need_distances_at_the_ends_of_float32_are_the_plain_formula(beta: float) -> None:
+    depth = np.array([[1e-45, 1e-40, 1.2e-38, 1e-37, 1e-20, 1.0, 1e20, 1e37, 3e38]], np.float32)
+    lines = Rays(np.array([2.0]), np.arange(9.0), 1.0)  # factors from 1.4 to 3.2: distances overflow float32
+    image = RNG.integers(0, 256, (1, 9, 3), dtype=np.uint8)
+    for betas in ([beta], [beta, 2 * beta]):
+        for one, foggy in zip(betas, foggy_images(image, depth, lines, LIGHT, betas), strict=True):
+            np.testing.assert_array_equal(foggy, oracle(image, depth, lines, LIGHT, one))
+
+
+def test_no_beta_gives_no_image() -> None:
+    depth, lines = np.ones((11, 16), np.float32), rays(CAMERA)
+    assert foggy_images(np.zeros((11, 16, 3), np.uint8), depth, lines, LIGHT, []).shape == (0, 11, 16, 3)
+    assert transmittance_images(depth, lines, []).shape == (0, 11, 16)
+
+
 def test_infinite_distance_without_fog_is_clear() -> None:
     assert at(math.inf, 0) == [40, 40, 40]
 
@@ -241,6 +258,8 @@ def test_other_arrays_are_refused() -> None:
         foggy_images(image / 255, depth, lines, LIGHT, [0.005])
     with pytest.raises(ValueError, match="image: uint8"):
         foggy_images(image[..., :2], depth, lines, LIGHT, [0.005])
+    with pytest.raises(ValueError, match="image: uint8"):
+        foggy_images(image[:, :0], depth[:, :0], lines, LIGHT, [0.005])
     with pytest.raises(ValueError, match="depth: float16"):
         foggy_images(image, depth.astype(np.float16), lines, LIGHT, [0.005])
     with pytest.raises(ValueError, match="airlight: "):

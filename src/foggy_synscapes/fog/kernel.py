@@ -12,8 +12,9 @@ one's. The error of v against exact arithmetic, where t is the product of n valu
   - all this times 255 t = 255 exp(-x), at the worst x: 1.4 units for n = 1, 2.4 for n = 2, 5.3 for n = 4;
   - product with the difference of two colours and sum: 0.25 + 0.5 units.
 Samples within 3, 4 and 7 units of a step, about one in 4,000, are computed again in float64 with the published
-formula. So the result never depends on the width of the processor's vectors, nor on whether it multiplies and adds in
-one step, and equals that of plain float64 code.
+formula, and so are all samples at betas that float32 could not hold with their distances. So the result never depends
+on the width of the processor's vectors, nor on whether it multiplies and adds in one step, and equals that of plain
+float64 code.
 
 What lies behind an optical depth of 6.25, such as the sky, is the airlight without any work: 255 exp(-6.25) = 0.492 is
 less than half a level, whatever the clear image shows there.
@@ -42,12 +43,14 @@ MARGINS = {1: 3, 2: 4, 4: 7}
 step has a fraction below twice as many."""
 # Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
 ROUNDER, EXPONENT = F(12582912.0), I(23)
-# 2^-30 is 0 beside every other term; the fourth power of what is below 2^-31 could not be represented.
+# 2^-30 is 0 beside every other term; fourth powers of smaller numbers would lose bits.
 LOWEST = F(-30)
 # 2^f on [-0.5, 0.5] as a polynomial through 7 Chebyshev nodes; relative error 2.6e-9.
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 HIDDEN = F(-6.25 * LOG2E)
+# 1/m: within, float32 errs as above; what it takes for infinitely far lies behind an optical depth of 34 at least.
+LOWEST_BETA, HIGHEST_BETA = 1e-37, 1e37
 SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
 GROUP = 64  # pixels that are hidden together or not: a whole number of blocks
 PIXELS = np.uint64(GROUP)  # unsigned: no index can be negative
@@ -274,21 +277,19 @@ def _close(places, base, near, x):
 
 
 @compiled
-def _exact(beta, depth, row, column, scale):
-    return math.exp(-beta * (depth * math.sqrt((row + column) / scale)))
-
-
-@compiled
-def _level(radiance):
-    return np.uint8(math.floor(255.0 * radiance + 0.5))
+def _exact(image, depth, y, x, row, column, scale, beta, airlight, levels):
+    """Composite one pixel in float64, as published."""
+    t = math.exp(-beta * (depth[y, x] * math.sqrt((row + column) / scale)))
+    for c in range(3):
+        radiance = t * (image[y, 3 * x + c] / 255.0) + (1.0 - t) * (airlight[c] / 255.0)
+        levels[c, x] = np.uint8(math.floor(255.0 * radiance + 0.5))
 
 
 def _factors(betas: np.ndarray) -> list[int]:
     """Of how many exponentials each transmittance is the product; more than 1: the square of the one before."""
     factors: list[int] = []
     for b, beta in enumerate(betas):
-        # Betas that float32 represents in full.
-        twice = b > 0 and betas[b - 1] > 1e-37 and math.isclose(beta, 2 * betas[b - 1], rel_tol=1e-12)
+        twice = b > 0 and betas[b - 1] > LOWEST_BETA and math.isclose(beta, 2 * betas[b - 1], rel_tol=1e-12)
         factors.append(2 * factors[-1] if twice and 2 * factors[-1] in MARGINS else 1)
     return factors
 
@@ -305,8 +306,8 @@ class Renderer:
         betas, factors = betas[order], _factors(betas[order])
         margins = np.array([MARGINS[number] for number in factors], U)
         light = airlight.astype(F)
-        # Finite, or a distance of 0 would give NaN; distances below 1e-36 m count as 0 then.
-        exponents = np.maximum(-betas * LOG2E, -3e38).astype(F)
+        plain = (betas < LOWEST_BETA) | (betas > HIGHEST_BETA)
+        exponents = np.where(plain, 0, -betas * LOG2E).astype(F)
         bases = (light + HALF_UP + UNIT * margins[:, None]).astype(F)
         # Rows are of whole groups: behind their end lies the airlight, infinitely far away.
         groups = -(-columns.size // GROUP)
@@ -314,12 +315,11 @@ class Renderer:
         distance, nearest, t = np.full(wide, np.inf, F), np.empty(groups, F), np.empty(wide, F)
         differences, levels = np.zeros((3, wide), F), np.empty((3, wide), np.uint8)
         self._scale = scale
+        self._row = distance, nearest, t, differences, levels
         self._constants = (
             (columns, scale, (columns / scale).astype(F)),
-            (order, betas, exponents, np.array(factors) > 1, bases, 2 * margins),
+            (order, betas, plain, exponents, np.array(factors, int) > 1, bases, 2 * margins),
             (airlight, light),
-            (distance, distance.view(I), nearest, nearest.view(I), t, differences, levels),
-            (t.ctypes.data, differences.ctypes.data, levels.ctypes.data, wide),
             np.empty(wide // BLOCK + 1, np.int64),
         )
 
@@ -330,13 +330,17 @@ class Renderer:
         out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
         """
         flat = image.reshape(len(rows), -1)  # the compiler sees the step of 3, and takes whole vectors
-        _render(flat, depth, rows, (rows / self._scale).astype(F), out, filtered, *self._constants)
+        # Views and addresses are of this object's own memory, also where it is a copy.
+        distance, nearest, t, differences, levels = self._row
+        row = distance, distance.view(I), nearest, nearest.view(I), t, differences, levels
+        places = t.ctypes.data, differences.ctypes.data, levels.ctypes.data, t.size
+        _render(flat, depth, rows, (rows / self._scale).astype(F), out, filtered, row, places, *self._constants)
 
 
 @compiled
-def _render(image, depth, rows, rows32, out, filtered, geometry, fog, lights, row, places, found):
+def _render(image, depth, rows, rows32, out, filtered, row, places, geometry, fog, lights, found):
     (columns, scale, columns32), (airlight, light) = geometry, lights
-    order, betas, exponents, squares, bases, nears = fog
+    order, betas, plain, exponents, squares, bases, nears = fog
     distance, ranks, nearest, ranked, t, differences, levels = row
     width = columns.size
     stride = 3 * width + filtered
@@ -350,6 +354,10 @@ def _render(image, depth, rows, rows32, out, filtered, geometry, fog, lights, ro
             group = 0
             if betas[b] == 0:  # no fog: also at infinite distance the image itself
                 _split(image, y, levels)
+                group = nearest.size
+            elif plain[b]:
+                for x in range(width):
+                    _exact(image, depth, y, x, rows[y], columns[x], scale, betas[b], airlight, levels)
                 group = nearest.size
             while group < nearest.size:
                 hidden, end = _span(exponents[b], nearest, group)
@@ -368,10 +376,7 @@ def _render(image, depth, rows, rows32, out, filtered, geometry, fog, lights, ro
                     mask = _close(places, base, near, block)
                     for x in range(block, min(block + BLOCK, width)):
                         if mask >> U(x - block) & U(1):
-                            share = _exact(betas[b], depth[y, x], rows[y], columns[x], scale)
-                            for c in range(3):
-                                hidden_part = (1.0 - share) * (airlight[c] / 255.0)
-                                levels[c, x] = _level(share * (image[y, 3 * x + c] / 255.0) + hidden_part)
+                            _exact(image, depth, y, x, rows[y], columns[x], scale, betas[b], airlight, levels)
             line = out[order[b], y * stride : (y + 1) * stride]
             if filtered:
                 _mix_filtered(levels, line)

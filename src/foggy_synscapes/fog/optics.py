@@ -94,7 +94,7 @@ def foggy_images(
     count_zero_depth(depth)
     renderer, pixels, metres = _prepared(image, depth, rays, airlight, betas)
     images = np.empty((len(betas), *image.shape), np.uint8)
-    renderer.render(pixels, metres, rays.rows, images.reshape(len(betas), -1), filtered=False)
+    renderer.render(pixels, metres, rays.rows, images.reshape(len(betas), image.size), filtered=False)
     return images
 
 
@@ -108,7 +108,7 @@ def foggy_scan_lines(
     depth : one that `count_zero_depth` has let through; it is not looked through again
     out : uint8 (B, m), written anew for each part, which has as many rows as there is room for
 
-    Raises ValueError as `foggy_images` does, but for values of depth.
+    Raises ValueError as `foggy_images` does, but for values of depth, when the first part is asked for.
     """
     renderer, pixels, metres = _prepared(image, depth, rays, airlight, betas)
     line = 1 + 3 * image.shape[1]
@@ -131,7 +131,7 @@ def transmittance_images(depth: np.ndarray, rays: Rays, betas: Sequence[float]) 
     array([[[255, 128,   0]]], dtype=uint8)
     """
     white = np.full((*depth.shape, 3), 255, np.uint8)
-    return foggy_images(white, depth, rays, (0, 0, 0), betas)[..., 0]  # 255 t is white behind fog that shines nothing
+    return foggy_images(white, depth, rays, (0, 0, 0), betas)[..., 0].copy()  # 255 t: white in dark fog
 
 
 def count_zero_depth(depth: np.ndarray) -> int:
@@ -152,7 +152,7 @@ def _prepared(
     # Imported here: Numba takes half a second, and not all that reads this module renders fog.
     from foggy_synscapes.fog.kernel import Renderer
 
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
     _check(image.shape[:2], depth, rays, betas)
     light = np.array(airlight, np.uint8)
