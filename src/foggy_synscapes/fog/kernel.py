@@ -307,7 +307,7 @@ class Renderer:
         margins = np.array([MARGINS[number] for number in factors], U)
         light = airlight.astype(F)
         plain = (betas < LOWEST_BETA) | (betas > HIGHEST_BETA)
-        exponents = np.where(plain, 0, -betas * LOG2E).astype(F)
+        exponents = (np.where(plain, 0, betas) * -LOG2E).astype(F)
         bases = (light + HALF_UP + UNIT * margins[:, None]).astype(F)
         # Rows are of whole groups: behind their end lies the airlight, infinitely far away.
         groups = -(-columns.size // GROUP)
