@@ -53,7 +53,6 @@ HIDDEN = F(-6.25 * LOG2E)
 LOWEST_BETA, HIGHEST_BETA = 1e-37, 1e37
 SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
 GROUP = 64  # pixels that are hidden together or not: a whole number of blocks
-PIXELS = np.uint64(GROUP)  # unsigned: no index can be negative
 
 # Compositing is written in vectors, as code of LLVM and of no processor in particular. A compiler would find vectors in
 # a loop too, but narrow the levels of each channel by itself, which takes half of the time; here four vectors of words
@@ -361,9 +360,8 @@ def _render(image, depth, rows, rows32, out, filtered, row, places, geometry, fo
                 group = nearest.size
             while group < nearest.size:
                 hidden, end = _span(exponents[b], nearest, group)
-                first, last = np.uint64(group) * PIXELS, np.uint64(end) * PIXELS
-                start, stop = group * GROUP, end * GROUP
-                group = end
+                start, stop, group = group * GROUP, end * GROUP, end
+                first, last = np.uint64(start), np.uint64(stop)  # unsigned: the loops need no check for less than 0
                 if hidden:
                     _fill(airlight, first, last, levels)
                     continue
