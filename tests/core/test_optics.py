@@ -264,24 +264,29 @@ def test_other_arrays_are_refused() -> None:
         foggy_images(image, depth.astype(np.float16), lines, LIGHT, [0.005])
     with pytest.raises(ValueError, match="airlight: "):
         foggy_images(image, depth, lines, (1, 2), [0.005])
-    with pytest.raises(ValueError, match="out: "):
-        next(foggy_scan_lines(image, depth, lines, LIGHT, [0.005], np.zeros((2, 49), np.uint8)))
-    with pytest.raises(ValueError, match="out: "):
-        next(foggy_scan_lines(image, depth, lines, LIGHT, [0.005], np.zeros((1, 48), np.uint8)))
 
 
-@pytest.mark.parametrize(("room", "parts"), [(1, 11), (4, 3), (11, 1), (20, 1)])
-def test_scan_lines_are_the_differences_of_the_same_images(room: int, parts: int) -> None:
+@pytest.mark.parametrize("shape", [(2, 49), (1, 48), (1, 97)])
+def test_scan_lines_need_room(shape: tuple[int, int]) -> None:
+    image, depth = np.zeros((4, 16, 3), np.uint8), np.ones((4, 16), np.float32)
+    draw = foggy_scan_lines(image, depth, straight((4, 16)), LIGHT, [0.005])
+    with pytest.raises(ValueError, match="out: "):
+        draw(slice(0, 4, 2), np.zeros(shape, np.uint8))
+
+
+@pytest.mark.parametrize("wanted", [slice(0, 1), slice(3, 7), slice(0, 11), slice(8, 20), slice(0, 11, 4)])
+def test_scan_lines_are_the_differences_of_the_same_images(wanted: slice) -> None:
     image = RNG.integers(0, 256, (11, 16, 3), dtype=np.uint8)
-    depth, out = RNG.random((11, 16), dtype=np.float32) * 300, np.full((3, room * 49 + 5), 77, np.uint8)
+    depth, out = RNG.random((11, 16), dtype=np.float32) * 300, np.full((3, 11 * 49 + 5), 77, np.uint8)
     betas = (0, 0.06, 0.005)
-    found = [part.copy() for part in foggy_scan_lines(image, depth, rays(CAMERA), LIGHT, betas, out)]
-    assert len(found) == parts
-    lines = np.concatenate(found, axis=1).reshape(3, 11, 49)
+    foggy_scan_lines(image, depth, rays(CAMERA), LIGHT, betas)(wanted, out)
+    images = foggy_images(image, depth, rays(CAMERA), LIGHT, betas)[:, wanted]
+    written = images.shape[1] * 49
+    lines = out[:, :written].reshape(3, -1, 49)
     assert (lines[:, :, 0] == 1).all()  # the filter's number
-    pixels = np.cumsum(lines[:, :, 1:].reshape(3, 11, 16, 3), axis=2, dtype=np.uint8)
-    np.testing.assert_array_equal(pixels, foggy_images(image, depth, rays(CAMERA), LIGHT, betas))
-    assert (out[:, min(room, 11) * 49 :] == 77).all()
+    pixels = np.cumsum(lines[:, :, 1:].reshape(images.shape), axis=2, dtype=np.uint8)
+    np.testing.assert_array_equal(pixels, images)
+    assert (out[:, written:] == 77).all()
 
 
 def test_views_give_the_same_fog() -> None:

@@ -13,7 +13,14 @@ from PIL import Image
 
 from foggy_synscapes.io import photographs
 from foggy_synscapes.io.images import encode_png, read_rgb
-from foggy_synscapes.io.photographs import CODING, LONGEST, code_lengths, encode_photograph
+from foggy_synscapes.io.photographs import (
+    CODING,
+    LONGEST,
+    STEP,
+    code_lengths,
+    encode_photograph,
+    encode_photographs,
+)
 
 RNG = np.random.default_rng(7)
 
@@ -46,7 +53,7 @@ def test_any_pixels_come_back(pixels: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("block", [1, 50, 3000, 800_000])
-@pytest.mark.parametrize("shape", [(1, 1), (1, 400), (400, 1), (13, 17), (64, 300)])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 400), (400, 1), (13, 17), (32, 30), (33, 30), (64, 300)])
 def test_blocks_of_any_size_and_images_of_any_shape(shape: tuple[int, int], block: int, monkeypatch) -> None:
     monkeypatch.setattr(photographs, "BLOCK", block)
     for pixels in (
@@ -55,6 +62,27 @@ def test_blocks_of_any_size_and_images_of_any_shape(shape: tuple[int, int], bloc
         np.zeros((*shape, 3), np.uint8),
     ):
         np.testing.assert_array_equal(read_everywhere(encode_photograph(pixels)), pixels)
+
+
+@pytest.mark.parametrize("height", [1, STEP, STEP + 1, 70])
+def test_images_side_by_side_are_those_one_by_one(height: int, monkeypatch) -> None:
+    monkeypatch.setattr(photographs, "BLOCK", 6000)  # blocks of 32 and of 6 rows
+    noise = RNG.integers(0, 256, (height, 61, 3), dtype=np.uint8)
+    images = np.stack([photograph(height, 61), noise, np.full_like(noise, 255)])
+    asked = []
+
+    def draw(rows: slice, out: np.ndarray) -> None:
+        asked.append(range(height)[rows])
+        part = images[:, rows].astype(np.uint8)
+        lines = out[:, : part.shape[1] * 184].reshape(3, -1, 184)
+        lines[:, :, 0] = 1
+        lines[:, :, 1:4] = part[:, :, 0]
+        lines[:, :, 4:] = (part[:, :, 1:] - part[:, :, :-1]).reshape(3, -1, 180)
+
+    files = list(encode_photographs((3, height, 61), draw))
+    assert files == [encode_photograph(image) for image in images]
+    assert [row for rows in asked[1:] for row in rows] == list(range(height))
+    assert list(asked[0]) == list(range(0, height, STEP))
 
 
 @pytest.mark.parametrize("run", [*range(1, 40), 85, 86, 87, 88, 172, 173, 300, 1000])
@@ -80,6 +108,15 @@ def test_it_is_the_same_bytes_each_time_also_from_views() -> None:
 def test_photographs_are_no_larger_than_with_a_search_for_matches() -> None:
     pixels = photograph(360, 720)
     assert len(encode_photograph(pixels)) < len(encode_png(pixels, 1))
+
+
+@pytest.mark.parametrize("level", [0, 1, 128, 255])
+def test_the_checksum_is_that_of_zlib_also_for_the_largest_sums(level: int) -> None:
+    lines = np.full(3 * photographs.SUMMED + 5, level, np.uint8)
+    lines[::7] = 254
+    for size in (0, 1, photographs.SUMMED, photographs.SUMMED + 1, lines.size):
+        for before in (1, 65520 << 16 | 65519):
+            assert photographs.adler32(lines[:size], before) == zlib.adler32(lines[:size], before)
 
 
 def test_a_plain_sky_takes_little_space() -> None:

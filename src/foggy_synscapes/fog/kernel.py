@@ -313,7 +313,6 @@ class Renderer:
         wide = groups * GROUP
         distance, nearest, t = np.full(wide, np.inf, F), np.empty(groups, F), np.empty(wide, F)
         differences, levels = np.zeros((3, wide), F), np.empty((3, wide), np.uint8)
-        self._scale = scale
         self._row = distance, nearest, t, differences, levels
         self._constants = (
             (columns, scale, (columns / scale).astype(F)),
@@ -329,22 +328,20 @@ class Renderer:
         out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
         """
         flat = image.reshape(len(rows), -1)  # the compiler sees the step of 3, and takes whole vectors
-        # Views and addresses are of this object's own memory, also where it is a copy.
-        distance, nearest, t, differences, levels = self._row
-        row = distance, distance.view(I), nearest, nearest.view(I), t, differences, levels
-        places = t.ctypes.data, differences.ctypes.data, levels.ctypes.data, t.size
-        _render(flat, depth, rows, (rows / self._scale).astype(F), out, filtered, row, places, *self._constants)
+        _render(flat, depth, rows, out, filtered, self._row, *self._constants)
 
 
 @compiled
-def _render(image, depth, rows, rows32, out, filtered, row, places, geometry, fog, lights, found):
+def _render(image, depth, rows, out, filtered, row, geometry, fog, lights, found):
     (columns, scale, columns32), (airlight, light) = geometry, lights
     order, betas, plain, exponents, squares, bases, nears = fog
-    distance, ranks, nearest, ranked, t, differences, levels = row
+    distance, nearest, t, differences, levels = row
+    ranks, ranked = distance.view(I), nearest.view(I)
+    places = t.ctypes.data, differences.ctypes.data, levels.ctypes.data, t.size
     width = columns.size
     stride = 3 * width + filtered
     for y in range(rows.size):
-        _distances(depth, y, rows32[y], columns32, distance)
+        _distances(depth, y, F(rows[y] / scale), columns32, distance)
         _nearest(ranks, ranked)
         _differences(image, y, light, differences)
         for b in range(betas.size):

@@ -5,7 +5,7 @@ along the ray. Source: Koschmieder 1924; paper, equations (1) and (2).
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,26 +99,28 @@ def foggy_images(
 
 
 def foggy_scan_lines(
-    image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float], out: np.ndarray
-) -> Iterator[np.ndarray]:
-    """The same as scan lines of PNG, for its encoder, some rows at a time: uint8 (B, n), parts of `out`.
+    image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float]
+) -> Callable[[slice, np.ndarray], None]:
+    """The same as scan lines of PNG, for its encoder: a function that renders some rows.
 
+    It takes a slice of rows, and an array uint8 (B, n) to whose beginning it writes them, one line after the other.
     A scan line is the number of its filter (Sub) and each pixel minus the one on its left: 1 + 3 W bytes.
 
     depth : one that `count_zero_depth` has let through; it is not looked through again
-    out : uint8 (B, m), written anew for each part, which has as many rows as there is room for
 
-    Raises ValueError as `foggy_images` does, but for values of depth, when the first part is asked for.
+    Raises ValueError as `foggy_images` does, but for values of depth; the function where the array has no room.
     """
     renderer, pixels, metres = _prepared(image, depth, rays, airlight, betas)
     line = 1 + 3 * image.shape[1]
-    if out.dtype != np.uint8 or out.ndim != 2 or len(out) != len(betas) or out.shape[1] < line:
-        raise ValueError(f"out: {out.dtype} {out.shape}, expected uint8 ({len(betas)}, {line}) or more")
-    step = out.shape[1] // line
-    for top in range(0, len(pixels), step):
-        rows = rays.rows[top : top + step]
-        renderer.render(pixels[top : top + step], metres[top : top + step], rows, out, filtered=True)
-        yield out[:, : len(rows) * line]
+
+    def draw(wanted: slice, out: np.ndarray) -> None:
+        rows = rays.rows[wanted]
+        if out.dtype != np.uint8 or out.ndim != 2 or len(out) != len(betas) or out.shape[1] < len(rows) * line:
+            raise ValueError(f"out: {out.dtype} {out.shape}, expected uint8 ({len(betas)}, {len(rows) * line}) or more")
+        part = np.ascontiguousarray(pixels[wanted]), np.ascontiguousarray(metres[wanted]), np.ascontiguousarray(rows)
+        renderer.render(*part, out, filtered=True)
+
+    return draw
 
 
 def transmittance_images(depth: np.ndarray, rays: Rays, betas: Sequence[float]) -> np.ndarray:

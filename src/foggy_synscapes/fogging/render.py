@@ -117,22 +117,14 @@ def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Ra
 def foggy_pngs(clear: Clear, lines: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
     """Foggy images as PNG, one per beta in 1/m; `level` 0 is for photographs, 1 to 3 are deflate's effort."""
     # Imported here: its loops are compiled, and Numba takes half a second.
-    from foggy_synscapes.io.photographs import Photograph
+    from foggy_synscapes.io.photographs import encode_photographs
 
-    numbers = [float(beta) for beta in betas]
+    frame = clear.image, clear.depth, lines, light.levels, [float(beta) for beta in betas]
     if level:
-        images = foggy_images(clear.image, clear.depth, lines, light.levels, numbers)
-        yield from (encode_png(image, level) for image in images)
+        yield from (encode_png(image, level) for image in foggy_images(*frame))
         return
-    height, width = clear.depth.shape
-    photographs = [Photograph(height, width) for _ in betas]
-    # Block by block: what was rendered is encoded while the processor's cache still has it.
-    line = photographs[0].stride
-    out = _buffer(len(betas), (min(photographs[0].block, height) * line + 7) // 8 * 8)
-    for part in foggy_scan_lines(clear.image, clear.depth, lines, light.levels, numbers, out):
-        for photograph, scan_lines in zip(photographs, part, strict=True):
-            photograph.add(scan_lines)
-    yield from (photograph.png() for photograph in photographs)
+    # A few rows at a time: what was rendered is encoded while the processor's cache still has it.
+    yield from encode_photographs((len(betas), *clear.depth.shape), foggy_scan_lines(*frame))
 
 
 def transmittance_pngs(clear: Clear, lines: Rays, betas: list[str], level: int) -> Iterator[bytes]:
@@ -144,12 +136,6 @@ def transmittance_pngs(clear: Clear, lines: Rays, betas: list[str], level: int) 
 @lru_cache(maxsize=8)
 def _rays(camera: Camera, geometry: str) -> Rays:
     return rays(camera, geometry)
-
-
-@lru_cache(maxsize=2)
-def _buffer(*shape: int) -> np.ndarray:
-    # Frames of a run have one size: fresh memory for each would cost as much time as the fog itself.
-    return np.empty(shape, np.uint8)
 
 
 def _size(values: np.ndarray) -> str:

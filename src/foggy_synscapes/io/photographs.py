@@ -9,15 +9,21 @@ instead of 12.
 Sources: RFC 1951 (deflate), RFC 1950 (zlib), PNG specification.
 """
 
+from collections.abc import Callable, Iterator
+from typing import Any
+
 import numpy as np
-from isal import isal_zlib
 
 from foggy_synscapes.compiled import compiled
-from foggy_synscapes.io.images import RGB, assemble_png, scratch
+from foggy_synscapes.io.images import RGB, assemble_png
 
 SUB_FILTER = 1
-BLOCK = 800_000  # bytes that share one set of codes
-SAMPLED = 4  # of so many rows one is counted for the codes
+STEP = 32
+"""Rows that are encoded at once: so few that several images' stay in a processor's cache from filter to code.
+
+The first of them is counted for the codes: more would make files no smaller.
+"""
+BLOCK = 800_000  # bytes that share one set of codes, about
 LONGEST = 12  # bits of a code: two of them and what is left over fit into 64 bits
 END, SYMBOLS = 256, 286  # end of block; literals, end and match lengths
 LENGTH_BITS, LENGTH_MASK = np.uint64(5), np.uint64(31)  # a table entry is code << 5 | its length in bits
@@ -26,6 +32,10 @@ ONE_BYTE, NOTHING = np.uint64(0xFF), np.uint64(0)
 LONGEST_MATCH, SHORTEST_MATCH, LONGEST_SYMBOL = 258, 3, 285
 # Code lengths are written in 4 bits each: a code for the lengths 0 to 15 and none for repetitions (RFC 1951, 3.2.7).
 ORDER = np.array([16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15])
+# Adler-32 (RFC 1950, section 8.2) of so many bytes at once: their weighted sum stays below 2^31.
+PRIME, SUMMED = 65521, 4096
+WEIGHTS = np.arange(SUMMED, 0, -1).astype(np.int16)
+CHECKSUM = 3  # its place in an image's state
 
 
 def _match_symbols() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -45,47 +55,23 @@ def _match_symbols() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 CODING = (ORDER, *_match_symbols())
 
 
-class Photograph:
-    """A PNG that is encoded from the top down, block by block; the same bytes for the same blocks of pixels.
+def encode_photographs(shape: tuple[int, int, int], draw: Callable[[slice, np.ndarray], None]) -> Iterator[bytes]:
+    """Encode images of one size side by side, from the top down, as PNG; the same bytes for the same pixels.
 
-    height, width : of the image, in pixels, above 0
+    shape : number of images, height and width, above 0
+    draw : called with a slice of rows and an array uint8 (B, n); writes those rows of each image there as scan lines:
+        the filter's number, which is 1 (Sub), and each pixel minus the one on its left, 1 + 3 W bytes.
+        Rows are asked for twice where they are counted for the codes: once ahead of all others, once in their turn.
     """
-
-    def __init__(self, height: int, width: int) -> None:
-        self.size, self.stride = (height, width), 1 + 3 * width
-        self.block = max(1, BLOCK // self.stride)
-        """Rows of a block at most."""
-        # Codes are at most 12 bits and a block's head 200 bytes.
-        self._out = np.empty((self.stride * height * LONGEST // 8 + 256 * (height // self.block + 2)) // 4, np.uint32)
-        self._state = np.zeros(3, np.int64)  # bits that are not written yet, their number, words written
-        self._rows, self._checksum = 0, 1
-
-    def add(self, lines: np.ndarray) -> None:
-        """Encode the next rows as one block, the last one where the image is complete with them.
-
-        lines : uint8 (n,), whole scan lines as a PNG holds them, filtered by Sub; begins where a 64-bit word may
-
-        Raises ValueError if they are no whole lines, or more than a block or the image has.
-        """
-        rows, rest = divmod(lines.size, self.stride)
-        most = min(self.block, self.size[0] - self._rows)
-        if rest or not 0 < rows <= most:
-            raise ValueError(f"lines: {lines.size} bytes, expected 1 to {most} lines of {self.stride}")
-        self._rows += rows
-        self._checksum = isal_zlib.adler32(lines, self._checksum)
-        whole = lines.size // 8 * 8
-        words, rest = lines[:whole].view(np.uint64), lines[whole:]
-        _write_block(self._rows == self.size[0], lines, self.stride, words, rest, *CODING, self._state, self._out)
-
-    def png(self) -> bytes:
-        """The file, once all rows were added; ValueError before."""
-        height, width = self.size
-        if self._rows != height:
-            raise ValueError(f"{self._rows} of {height} rows were added")
-        bits, number, written = self._state.tolist()
-        tail = bits.to_bytes(8, "little")[: (number + 7) // 8]
-        parts = b"\x78\x01", self._out[:written], tail, self._checksum.to_bytes(4, "big")
-        return assemble_png(width, height, 8, RGB, b"".join(parts))
+    count, height, width = shape
+    stride = 1 + 3 * width
+    sample = np.empty((count, len(range(0, height, STEP)) * stride), np.uint8)
+    draw(slice(0, height, STEP), sample)
+    lines, memory = _memory(shape, sample)
+    for top in range(0, height, STEP):
+        draw(slice(top, min(top + STEP, height)), lines)
+        _append(top, *memory)
+    yield from _files(shape, *memory)
 
 
 def encode_photograph(pixels: np.ndarray) -> bytes:
@@ -96,13 +82,36 @@ def encode_photograph(pixels: np.ndarray) -> bytes:
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
         raise ValueError(f"pixels: {pixels.dtype} {pixels.shape}, expected uint8 (H, W, 3)")
     height, width = pixels.shape[:2]
-    photograph = Photograph(height, width)
-    for top in range(0, height, photograph.block):
-        rows = np.ascontiguousarray(pixels[top : top + photograph.block]).reshape(-1, 3 * width)
-        lines = scratch(1, len(rows) * photograph.stride)[0]
-        _subtract_left(rows, lines.reshape(len(rows), -1))
-        photograph.add(lines)
-    return photograph.png()
+    rows = np.ascontiguousarray(pixels).reshape(height, 3 * width)
+    sampled = rows[::STEP].copy()
+    sample = np.empty((1, len(sampled) * (1 + 3 * width)), np.uint8)
+    _filter(sampled, sample[0])
+    _, memory = _memory((1, height, width), sample)
+    _append_all(rows, *memory)
+    return next(_files((1, height, width), *memory))
+
+
+def _memory(shape: tuple[int, int, int], sample: np.ndarray) -> tuple[np.ndarray, tuple]:
+    """Scan lines to be filled, and what `_append` takes after its row, for images of which nothing is encoded yet."""
+    count, height, width = shape
+    stride = 1 + 3 * width
+    lines = np.empty((count, (STEP * stride + 7) // 8 * 8), np.uint8)  # each begins where a 64-bit word may
+    block = max(1, BLOCK // (STEP * stride)) * STEP
+    # Codes are at most 12 bits, and a block's head is 200 bytes.
+    room = (stride * height * LONGEST // 8 + 256 * (height // block + 2)) // 4
+    tables = np.empty((count, SYMBOLS), np.uint64), np.empty((count, LONGEST_MATCH + 1), np.uint64)
+    state = np.zeros((count, 4), np.int64)  # bits that are not written yet, their number, words written, checksum
+    state[:, CHECKSUM] = 1
+    return lines, ((height, stride, block), CODING, sample, lines, tables, state, np.empty((count, room), np.uint32))
+
+
+def _files(shape: tuple[int, int, int], *memory: Any) -> Iterator[bytes]:
+    _, height, width = shape
+    *_, state, out = memory
+    for words, (bits, number, written, checksum) in zip(out, state.tolist(), strict=True):
+        tail = bits.to_bytes(8, "little")[: (number + 7) // 8]
+        parts = b"\x78\x01", words[:written], tail, checksum.to_bytes(4, "big")
+        yield assemble_png(width, height, 8, RGB, b"".join(parts))
 
 
 @compiled
@@ -126,30 +135,78 @@ def code_lengths(counts):
 
 
 @compiled
-def _write_block(last, lines, stride, words, rest, order, symbols, extra_bits, extra, state, out):
-    """Append scan lines, of which `words` are the first and `rest` the last bytes, as a block with codes of its own."""
-    counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code, so that rows may be sampled
-    _count(lines, stride, counts)
+def _append_all(pixels, size, coding, sample, lines, tables, state, out):
+    for row in range(0, size[0], STEP):
+        _filter(pixels[row : row + STEP], lines[0])
+        _append(row, size, coding, sample, lines, tables, state, out)
+
+
+@compiled
+def _append(row, size, coding, sample, lines, tables, state, out):
+    """Append the scan lines from a row on, at most STEP, to each image."""
+    height, stride, block = size
+    used = min(STEP, height - row) * stride
+    for b in range(lines.shape[0]):
+        if row % block == 0:
+            first = row // STEP * stride
+            part = sample[b, first : first + block // STEP * stride]
+            _begin(row + block >= height, part, coding, tables[0][b], tables[1][b], state[b], out[b])
+        state[b, CHECKSUM] = adler32(lines[b, :used], state[b, CHECKSUM])
+        whole = used // 8 * 8
+        _write_words(lines[b, :whole].view(np.uint64), tables[0][b], tables[1][b], state[b], out[b])
+        _write_bytes(lines[b, whole:used], tables[0][b], state[b], out[b])
+        if (row + STEP) % block == 0 or row + STEP >= height:
+            _end(tables[0][b], state[b], out[b])
+
+
+@compiled
+def _begin(last, sample, coding, table, matches, state, out):
+    """Begin a block with codes of its own, made for the symbols of a sample."""
+    order, symbols, extra_bits, extra = coding
+    counts = np.ones(SYMBOLS, np.int64)  # every symbol gets a code: others than in the sample may come
+    _count(sample, counts)
     lengths = code_lengths(counts)
-    codes, table = np.empty(SYMBOLS, np.uint64), np.empty(SYMBOLS, np.uint64)
+    codes = np.empty(SYMBOLS, np.uint64)
     _assign(lengths, codes)
     for symbol in range(SYMBOLS):
         table[symbol] = _plain(codes[symbol], lengths[symbol])
     # By match length: its symbol, its extra bits, and one bit 0 for the distance of 1.
-    matches = np.empty(symbols.size, np.uint64)
     for length in range(SHORTEST_MATCH, symbols.size):
         size = lengths[symbols[length]]
         value = codes[symbols[length]] | np.uint64(extra[length]) << np.uint64(size)
         matches[length] = _plain(value, size + extra_bits[length] + 1)
     _write_head(last, lengths, order, state, out)
-    _write_words(words, table, matches, state, out)
-    _write_bytes(rest, table, state, out)
 
 
 @compiled
-def _subtract_left(rows, out):
-    for y in range(rows.shape[0]):
-        row, line = rows[y], out[y]
+def _end(table, state, out):
+    bits, number, words = _load(state)
+    bits, number, words = _put(table[END], bits, number, words, out)
+    _store(bits, number, words, state)
+
+
+@compiled
+def adler32(data, before):
+    """Adler-32 of bytes, uint8 (n,), going on from that of those before them, at first 1 (RFC 1950, section 8.2)."""
+    low, high = before & 0xFFFF, before >> 16
+    for start in range(0, data.size, SUMMED):
+        part = data[start : start + SUMMED]
+        weights = WEIGHTS[SUMMED - part.size :]
+        total, weighted = np.int32(0), np.int32(0)
+        for i in range(part.size):
+            total = np.int32(total + np.int32(part[i]))
+            weighted = np.int32(weighted + np.int32(weights[i]) * np.int32(part[i]))
+        high = (high + low * part.size + weighted) % PRIME
+        low = (low + total) % PRIME
+    return high << 16 | low
+
+
+@compiled
+def _filter(pixels, lines):
+    """Rows of pixels, uint8 (H, 3 W), as scan lines with the filter Sub, one after the other."""
+    stride = 1 + pixels.shape[1]
+    for y in range(pixels.shape[0]):
+        row, line = pixels[y], lines[y * stride : (y + 1) * stride]
         line[0] = SUB_FILTER
         for x in range(3):
             line[1 + x] = row[x]
@@ -159,21 +216,20 @@ def _subtract_left(rows, out):
 
 
 @compiled
-def _count(data, stride, counts):
-    """Count the symbols of every few rows, as they will be written: long runs of zeros as matches."""
+def _count(sample, counts):
+    """Count the symbols of scan lines as they will be written: long runs of zeros as matches."""
     # Four tables: neighbouring bytes are often equal, and an increment would wait for the one before it.
     tables = np.zeros((4, 256), np.int64)
     zeros = 0
-    for start in range(0, data.size, SAMPLED * stride):
-        for i in range(start, min(start + stride, data.size) - 3, 4):
-            a, b, c, d = data[i], data[i + 1], data[i + 2], data[i + 3]
-            if a | b | c | d == 0:
-                zeros += 4
-                continue
-            tables[0, a] += 1
-            tables[1, b] += 1
-            tables[2, c] += 1
-            tables[3, d] += 1
+    for i in range(0, sample.size - 3, 4):
+        a, b, c, d = sample[i], sample[i + 1], sample[i + 2], sample[i + 3]
+        if a | b | c | d == 0:
+            zeros += 4
+            continue
+        tables[0, a] += 1
+        tables[1, b] += 1
+        tables[2, c] += 1
+        tables[3, d] += 1
     for value in range(256):
         counts[value] += tables[0, value] + tables[1, value] + tables[2, value] + tables[3, value]
     # In noise four zeros are no run yet; in a sky they are.
@@ -310,9 +366,8 @@ def _write_zeros(count, table, matches, bits, number, words, out):
 
 @compiled
 def _write_bytes(data, table, state, out):
-    """The bytes that fill no word, and the end of the block."""
+    """The bytes that fill no word."""
     bits, number, words = _load(state)
     for value in data:
         bits, number, words = _put(table[value], bits, number, words, out)
-    bits, number, words = _put(table[END], bits, number, words, out)
     _store(bits, number, words, state)
