@@ -1,5 +1,6 @@
 """Fog: hand-worked values, the plain formula as oracle, properties, and the answer at every extreme."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -275,14 +276,17 @@ def test_scan_lines_need_room(shape: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("wanted", [slice(0, 1), slice(3, 7), slice(0, 11), slice(8, 20), slice(0, 11, 4)])
-def test_scan_lines_are_the_differences_of_the_same_images(wanted: slice) -> None:
-    image = RNG.integers(0, 256, (11, 16, 3), dtype=np.uint8)
-    depth, out = RNG.random((11, 16), dtype=np.float32) * 300, np.full((3, 11 * 49 + 5), 77, np.uint8)
-    betas = (0, 0.06, 0.005)
-    foggy_scan_lines(image, depth, rays(CAMERA), LIGHT, betas)(wanted, out)
-    images = foggy_images(image, depth, rays(CAMERA), LIGHT, betas)[:, wanted]
-    written = images.shape[1] * 49
-    lines = out[:, :written].reshape(3, -1, 49)
+@pytest.mark.parametrize("width", [1, 2, 16, 32, 33, 34, 48, 49, 64, 65, 130])
+def test_scan_lines_are_the_differences_of_the_same_images(width: int, wanted: slice) -> None:
+    """Of every width below and above a vector, and from any place in memory on: lines have odd lengths."""
+    image = RNG.integers(0, 256, (11, width, 3), dtype=np.uint8)
+    depth, line = RNG.random((11, width), dtype=np.float32) * 300, 1 + 3 * width
+    out = np.full((3, 11 * line + 5), 77, np.uint8)
+    camera, betas = dataclasses.replace(CAMERA, resx=width), (0, 0.06, 0.005)
+    foggy_scan_lines(image, depth, rays(camera), LIGHT, betas)(wanted, out)
+    images = foggy_images(image, depth, rays(camera), LIGHT, betas)[:, wanted]
+    written = images.shape[1] * line
+    lines = out[:, :written].reshape(3, -1, line)
     assert (lines[:, :, 0] == 1).all()  # the filter's number
     pixels = np.cumsum(lines[:, :, 1:].reshape(images.shape), axis=2, dtype=np.uint8)
     np.testing.assert_array_equal(pixels, images)

@@ -13,7 +13,7 @@ import numpy as np
 from foggy_synscapes.fog.geometry import Rays
 
 if TYPE_CHECKING:
-    from foggy_synscapes.fog.kernel import Renderer
+    from foggy_synscapes.fog.renderer import Renderer
 
 CONTRAST = 2.996
 """beta times meteorological optical range: -ln 0.05, rounded as in the paper, section III."""
@@ -152,7 +152,7 @@ def _prepared(
     image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float]
 ) -> tuple["Renderer", np.ndarray, np.ndarray]:
     # Imported here: Numba takes half a second, and not all that reads this module renders fog.
-    from foggy_synscapes.fog.kernel import Renderer
+    from foggy_synscapes.fog.renderer import Renderer
 
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")

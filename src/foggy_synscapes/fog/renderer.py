@@ -1,0 +1,75 @@
+"""What the inner loops of fog need besides a frame: constants of its betas, and memory for a row."""
+
+import math
+
+import numpy as np
+
+from foggy_synscapes.fog.kernel import (
+    BLOCK,
+    GROUP,
+    HIGHEST_BETA,
+    LOG2E,
+    LOWEST_BETA,
+    MARGINS,
+    F,
+    U,
+    render,
+)
+
+HALF_UP, UNIT = 256.5, 2.0**-15  # the kernel computes 256.5 + F, and counts in this unit there
+
+
+def _factors(betas: np.ndarray) -> list[int]:
+    """Of how many exponentials each transmittance is the product; more than 1: the square of the one before."""
+    factors: list[int] = []
+    for b, beta in enumerate(betas):
+        twice = b > 0 and betas[b - 1] > LOWEST_BETA and math.isclose(beta, 2 * betas[b - 1], rel_tol=1e-12)
+        factors.append(2 * factors[-1] if twice and 2 * factors[-1] in MARGINS else 1)
+    return factors
+
+
+def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
+    """Memory whose vectors lie within one line of the processor's cache each: others take twice as long to load."""
+    size = math.prod(shape) * np.dtype(kind).itemsize
+    memory = np.empty(size + 64, np.uint8)
+    begin = -memory.ctypes.data % 64
+    return memory[begin : begin + size].view(kind).reshape(shape)
+
+
+class Renderer:
+    """Fog at each beta on rows of images of one width, geometry and airlight; it owns the memory for one row.
+
+    columns, scale : distance = depth sqrt((row + columns[x]) / scale), float64 (W,) and a number
+    betas : float64 (B,), 1/m, at least 0; airlight : uint8 (3,)
+    """
+
+    def __init__(self, columns: np.ndarray, scale: float, betas: np.ndarray, airlight: np.ndarray) -> None:
+        order = np.argsort(betas, kind="stable")
+        betas, factors = betas[order], _factors(betas[order])
+        margins = np.array([MARGINS[number] for number in factors], U)
+        light = airlight.astype(F)
+        plain = (betas < LOWEST_BETA) | (betas > HIGHEST_BETA)
+        exponents = (np.where(plain, 0, betas) * -LOG2E).astype(F)
+        bases = (light + HALF_UP + UNIT * margins[:, None]).astype(F)
+        # Rows are of whole groups: behind their end lies the airlight, infinitely far away.
+        groups = -(-columns.size // GROUP)
+        wide = groups * GROUP
+        distance, nearest, t = _aligned((wide,), F), _aligned((groups,), F), _aligned((wide,), F)
+        differences, levels = _aligned((3, wide), F), _aligned((3, wide), np.uint8)
+        distance[:], differences[:] = np.inf, 0
+        self._row = distance, nearest, t, differences, levels
+        self._constants = (
+            (columns, scale, (columns / scale).astype(F)),
+            (order, betas, plain, exponents, np.array(factors, int) > 1, bases, 2 * margins),
+            (airlight, light),
+            np.empty(wide // BLOCK + 1, np.int64),
+        )
+
+    def render(self, image: np.ndarray, depth: np.ndarray, rows: np.ndarray, out: np.ndarray, filtered: bool) -> None:
+        """Fog on one image, or some of its rows.
+
+        image : uint8 (H, W, 3); depth : float32 (H, W), metres; rows : float64 (H,), of the distance's formula
+        out : uint8 (B, n), written: pixels, or where `filtered` scan lines of PNG with the filter Sub, 1 + 3 W each
+        """
+        flat = image.reshape(len(rows), -1)  # the compiler sees the step of 3, and takes whole vectors
+        render(flat, depth, rows, out, filtered, self._row, *self._constants)
