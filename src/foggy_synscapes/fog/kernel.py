@@ -37,9 +37,6 @@ from foggy_synscapes.compiled import compiled, fused
 F, U = np.float32, np.uint32
 I = np.int32  # noqa: E741
 LOG2E = math.log2(math.e)
-MARGINS = {1: 3, 2: 4, 4: 7}
-"""Units by which v is taken too high, by the number of factors of t: then a sample that may lie on the other side of a
-step has a fraction below twice as many."""
 # Adding 1.5 * 2^23 rounds to an integer, which then stands in the lowest bits.
 ROUNDER, EXPONENT = F(12582912.0), I(23)
 # 2^-30 is 0 beside every other term; fourth powers of smaller numbers would lose bits.
@@ -48,22 +45,27 @@ LOWEST = F(-30)
 C6, C5, C4 = F(0.00015461444676459477), F(0.001340042817725558), F(0.009618056678584931)
 C3, C2, C1, C0 = F(0.055503272266708814), F(0.2402265092228826), F(0.6931472067028323), F(1.0)
 HIDDEN = F(-6.25 * LOG2E)
-# 1/m: within, float32 errs as above; what it takes for infinitely far lies behind an optical depth of 34 at least.
-LOWEST_BETA, HIGHEST_BETA = 1e-37, 1e37
 SUB_FILTER = 1  # PNG specification, section 9.2: each byte minus that of the pixel on its left
 GROUP = 64  # pixels that are hidden together or not: a whole number of blocks
 
-# Compositing is written in vectors, as code of LLVM and of no processor in particular. A compiler would find vectors in
-# a loop too, but narrow the levels of each channel by itself, which takes half of the time; here four vectors of words
-# are laid over each other before their bytes are brought into order.
-BLOCK = 32
-"""Pixels that are composited together: four vectors of eight."""
+# Some loops are written in vectors, as code of LLVM and of no processor in particular. A compiler would find vectors
+# too, but narrow the levels of each channel by itself, which takes half of the time of compositing; here four vectors
+# of words are laid over each other before their bytes are brought into order.
+BLOCK = 32  # pixels that are composited together: four vectors of eight
 
 BYTE, HALF, WORD, ADDRESS = ir.IntType(8), ir.IntType(16), ir.IntType(32), ir.IntType(64)
 FLOATS, WORDS = ir.VectorType(ir.FloatType(), 8), ir.VectorType(WORD, 8)
 HALVES, BYTES = ir.VectorType(HALF, 16), ir.VectorType(BYTE, 32)
 # Four vectors, interleaved as bytes 0, 2, 1, 3 of each word, one after the other.
 IN_ORDER = ir.Constant(ir.VectorType(WORD, 32), [4 * lane + place for place in (0, 2, 1, 3) for lane in range(8)])
+# The bytes of one channel in two lots of four pixels, three zeros behind each: its values as words.
+APART = [
+    ir.Constant(
+        ir.VectorType(WORD, 32),
+        [byte for first in (channel, channel + 20) for pixel in range(4) for byte in (first + 3 * pixel, 32, 32, 32)],
+    )
+    for channel in range(3)
+]
 ALL = ir.Constant(ir.VectorType(WORD, 64), list(range(64)))
 # Three vectors one after the other, the colours of each pixel together.
 MIXED = ir.Constant(ir.VectorType(WORD, 96), [32 * channel + pixel for pixel in range(32) for channel in range(3)])
@@ -92,16 +94,6 @@ def _fill(colour, first, last, planes):
     for c in range(3):
         for x in range(first, last):
             planes[c, x] = colour[c]
-
-
-@compiled
-def _differences(pixels, y, light, out):
-    """A row of pixels, uint8 (H, 3 W), minus the airlight, as planes of colour, float32 (3, W)."""
-    red, green, blue = light[0], light[1], light[2]
-    for x in range(pixels.shape[1] // 3):
-        out[0, x] = F(pixels[y, 3 * x]) - red
-        out[1, x] = F(pixels[y, 3 * x + 1]) - green
-        out[2, x] = F(pixels[y, 3 * x + 2]) - blue
 
 
 @compiled
@@ -149,6 +141,33 @@ def _transmittances(distance, exponent, first, last, t):
 def _square(t, first, last):
     for x in range(first, last):
         t[x] = t[x] * t[x]
+
+
+@intrinsic
+def _difference_vectors(typing, pixels, light, out, wide) -> tuple[types.Type, Callable]:
+    """Eight pixels minus the airlight, as planes of colour.
+
+    pixels : address of their 24 bytes; light : three float32
+    out : address of the first one in float32 (3, wide), written
+    """
+
+    def build(context: Any, builder: ir.IRBuilder, signature: Any, arguments: list[ir.Value]) -> ir.Value:
+        pixels, light, out, wide = arguments
+        # Twice 16 bytes, from 0 and from 8 on: four pixels each, so that no byte has to change its half of a register.
+        halves = [
+            builder.load(builder.inttoptr(place, ir.VectorType(BYTE, 16).as_pointer()), align=1)
+            for place in (pixels, builder.add(pixels, ir.Constant(ADDRESS, 8)))
+        ]
+        both = builder.shuffle_vector(*halves, ir.Constant(ir.VectorType(WORD, 32), list(range(32))))
+        for channel in range(3):
+            words = builder.shuffle_vector(both, _all(BYTES, 0), APART[channel])
+            values = builder.uitofp(builder.bitcast(words, WORDS), FLOATS)
+            values = builder.fsub(values, _spread(builder, builder.extract_value(light, channel), FLOATS))
+            place = _moved(builder, out, builder.mul(wide, ir.Constant(ADDRESS, 4)), channel)
+            builder.store(values, builder.inttoptr(place, FLOATS.as_pointer()), align=4)
+        return context.get_dummy_value()
+
+    return types.void(pixels, light, out, wide), build
 
 
 @intrinsic
@@ -274,6 +293,19 @@ def _all(kind: ir.VectorType, value: int) -> ir.Constant:
 def _spread(builder: ir.IRBuilder, value: ir.Value, kind: ir.VectorType) -> ir.Value:
     single = builder.insert_element(ir.Constant(kind, ir.Undefined), value, ir.Constant(WORD, 0))
     return builder.shuffle_vector(single, single, _all(ir.VectorType(WORD, kind.count), 0))
+
+
+@compiled
+def _differences(pixels, y, light, out):
+    """A row of pixels, uint8 (H, 3 W), minus the airlight, as planes of colour, float32 (3, W)."""
+    colour = light[0], light[1], light[2]
+    width, wide = pixels.shape[1] // 3, out.shape[1]
+    row = pixels.ctypes.data + y * pixels.strides[0]
+    for x in range(0, width - 7, 8):
+        _difference_vectors(row + 3 * x, colour, out.ctypes.data + 4 * x, wide)
+    for x in range(width // 8 * 8, width):
+        for c in range(3):
+            out[c, x] = F(pixels[y, 3 * x + c]) - colour[c]
 
 
 @compiled

@@ -4,18 +4,13 @@ import math
 
 import numpy as np
 
-from foggy_synscapes.fog.kernel import (
-    BLOCK,
-    GROUP,
-    HIGHEST_BETA,
-    LOG2E,
-    LOWEST_BETA,
-    MARGINS,
-    F,
-    U,
-    render,
-)
+from foggy_synscapes.fog.kernel import BLOCK, GROUP, LOG2E, F, U, render
 
+MARGINS = {1: 3, 2: 4, 4: 7}
+"""Units by which v is taken too high, by the number of factors of t: then a sample that may lie on the other side of a
+step has a fraction below twice as many."""
+# 1/m: within, float32 errs as the kernel says; what it takes for infinitely far lies behind an optical depth of 34.
+LOWEST_BETA, HIGHEST_BETA = 1e-37, 1e37
 HALF_UP, UNIT = 256.5, 2.0**-15  # the kernel computes 256.5 + F, and counts in this unit there
 
 
@@ -54,9 +49,10 @@ class Renderer:
         # Rows are of whole groups: behind their end lies the airlight, infinitely far away.
         groups = -(-columns.size // GROUP)
         wide = groups * GROUP
-        distance, nearest, t = _aligned((wide,), F), _aligned((groups,), F), _aligned((wide,), F)
-        differences, levels = _aligned((3, wide), F), _aligned((3, wide), np.uint8)
+        floats, levels = _aligned((5, wide), F), _aligned((3, wide), np.uint8)
+        distance, t, differences = floats[0], floats[1], floats[2:]
         distance[:], differences[:] = np.inf, 0
+        nearest = np.empty(groups, F)
         self._row = distance, nearest, t, differences, levels
         self._constants = (
             (columns, scale, (columns / scale).astype(F)),
