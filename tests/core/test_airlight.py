@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from foggy_synscapes.fog.airlight import GREY, Airlight, dark_channel, estimate
+from foggy_synscapes.fog.airlight import GREY, Airlight, candidates, dark_channel, estimate
 
 RNG = np.random.default_rng(3)
 
@@ -17,14 +17,20 @@ def oracle_dark(image: np.ndarray) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(padded, (15, 15)).min(axis=(2, 3))
 
 
-def oracle(image: np.ndarray) -> Airlight:
-    """As the published code: all pixels ranked column by column, a stable descending sort, the first median grey."""
-    height = image.shape[0]
+def oracle_ranked(image: np.ndarray) -> np.ndarray:
+    """As the published code: all pixels ranked column by column, a stable descending sort; their numbers there."""
     dark = oracle_dark(image).ravel(order="F")
-    colours = image.transpose(1, 0, 2).reshape(-1, 3)
     count = dark.size // 1000
     count += (count + 1) % 2
-    ranked = np.argsort(-dark, kind="stable")[:count]
+    return np.argsort(-dark, kind="stable")[:count]
+
+
+def oracle(image: np.ndarray) -> Airlight:
+    """As the published code: the first of the median grey value."""
+    height = image.shape[0]
+    ranked = oracle_ranked(image)
+    count = ranked.size
+    colours = image.transpose(1, 0, 2).reshape(-1, 3)
     grey = [sum(int(weight) * int(level) for weight, level in zip(GREY, colours[i], strict=True)) for i in ranked]
     chosen = ranked[grey.index(sorted(grey)[count // 2])]
     return Airlight(*(int(level) for level in colours[chosen]), int(chosen) % height, int(chosen) // height)
@@ -52,6 +58,18 @@ def test_images_of_all_sizes_with_few_and_many_ties(shape: tuple[int, int], leve
     image = (RNG.integers(0, levels, (*shape, 3)) * (255 // (levels - 1))).astype(np.uint8)
     np.testing.assert_array_equal(dark_channel(image), oracle_dark(image))
     assert estimate(image) == oracle(image)
+
+
+def test_candidates_are_ranked_as_published_wherever_they_lie() -> None:
+    """Bright spots of two levels, each of 15 to 20 pixels a side, over a dim and noisy ground: some bands have none."""
+    for height, width in [(16_000, 1), (1_001, 30), (300, 200), (149, 151), (150, 400)]:
+        image = RNG.integers(0, 60, (height, width, 3), dtype=np.uint8)
+        for _ in range(6):
+            y, x, side = RNG.integers(0, height), RNG.integers(0, width), RNG.integers(15, 21)
+            image[y : y + side, x : x + side] = RNG.choice([180, 200])
+        expected = oracle_ranked(image)
+        rows, columns = candidates(image)
+        np.testing.assert_array_equal(columns * height + rows, expected)
 
 
 def test_smooth_images_with_a_bright_band() -> None:

@@ -93,7 +93,7 @@ def estimate(image: np.ndarray) -> Airlight:
     """
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
-    rows, columns = candidates(dark_channel(image))
+    rows, columns = candidates(image)
     grey = image[rows, columns].astype(np.int64) @ np.array(GREY)
     median = np.partition(grey, grey.size // 2)[grey.size // 2]
     first = int(np.argmax(grey == median))
@@ -101,28 +101,20 @@ def estimate(image: np.ndarray) -> Airlight:
     return Airlight(*(int(level) for level in image[row, column]), row, column)
 
 
-def candidates(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of the candidates, by dark value descending, then column, then row.
+def candidates(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the candidates, by dark channel descending, then column, then row: int64.
 
-    dark : uint8 (H, W)
+    image : uint8 (H, W, 3)
 
-    >>> dark = np.array([[1, 5], [5, 2]], np.uint8)
-    >>> rows, columns = candidates(dark)
-    >>> int(rows[0]), int(columns[0])
-    (1, 0)
+    >>> image = np.zeros((20, 20, 3), np.uint8)
+    >>> image[3:18, 4:19] = 5                    # 15 x 15 pixels: only the square around the middle one is full
+    >>> rows, columns = candidates(image)
+    >>> rows.tolist(), columns.tolist()
+    ([10], [11])
     """
     from foggy_synscapes.fog import haze
 
-    wanted = dark.size // SHARE
-    wanted += (wanted + 1) % 2
-    found: list[np.ndarray] = []
-    level = int(dark.max())
-    while wanted > 0:
-        per_column = haze.count(dark, np.uint8(level))
-        here = np.empty((2, min(wanted, int(per_column.sum()))), np.int64)
-        haze.find(dark, np.uint8(level), per_column, *here)
-        found.append(here)
-        wanted -= here.shape[1]
-        level -= 1
-    rows, columns = np.concatenate(found, axis=1)
+    wanted = image.shape[0] * image.shape[1] // SHARE
+    rows, columns = np.empty((2, wanted + (wanted + 1) % 2), np.int64)
+    haze.haziest(np.ascontiguousarray(image), WINDOW // 2, rows, columns)
     return rows, columns
