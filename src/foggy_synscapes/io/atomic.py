@@ -1,8 +1,8 @@
 """Writing files so that a reader sees the old content or the new, never a part of it."""
 
 import os
-import tempfile
-from collections.abc import Iterator
+import secrets
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -26,12 +26,14 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
     temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+        beside = path.parent / f".{path.name}.{secrets.token_hex(4)}.part"
+        # With the permissions of any new file: asking for the process's mask would change it for all threads meanwhile.
+        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+        temporary = beside
         with os.fdopen(descriptor, "wb") as file:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
         temporary = None
         _sync_folder(path.parent)
@@ -41,13 +43,17 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
         ) from error
     finally:
         if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
 
 
-def remove_leftovers(folder: str | Path) -> None:
-    """Remove what killed processes left half-written below a folder; to be called while none writes there."""
+def remove_leftovers(folder: str | Path, of: Collection[str] | None = None) -> None:
+    """Remove what killed processes left half-written below a folder; to be called while none writes there.
+
+    of : names of the files that none writes, where others may be written meanwhile
+    """
     for path in Path(folder).rglob(".*.part"):
-        path.unlink(missing_ok=True)
+        if (of is None or path.name[1:].rsplit(".", 2)[0] in of) and not path.is_dir():
+            path.unlink(missing_ok=True)
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:
@@ -59,12 +65,6 @@ def write_bytes(path: str | Path, data: bytes) -> None:
 def write_text(path: str | Path, text: str) -> None:
     """Replace the content of `path` by `text` in UTF-8 with the line ends that it has."""
     write_bytes(path, text.encode("utf-8"))
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _sync_folder(folder: Path) -> None:
