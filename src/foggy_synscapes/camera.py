@@ -1,7 +1,9 @@
 """The pinhole camera of a frame."""
 
 from dataclasses import dataclass
-from math import isfinite
+
+NEAREST, FARTHEST = 1e-3, 1e9
+"""Pixels between which numbers of a camera lie: their squares, with those of its columns, keep apart in float64."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,7 @@ class Camera:
     Raises
     ------
     ValueError
-        If a number is not finite, or a focal length or size is not above 0.
+        If a focal length is not from 1e-3 to 1e9, a principal point not within 1e9, or a size no whole number above 0.
     """
 
     fx: float
@@ -28,9 +30,12 @@ class Camera:
     resy: int
 
     def __post_init__(self) -> None:
-        for name in ("fx", "fy", "u0", "v0"):
-            if not isfinite(getattr(self, name)):
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a finite number of pixels")
-        for name in ("fx", "fy", "resx", "resy"):
-            if getattr(self, name) <= 0:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a number of pixels above 0")
+        for name in ("fx", "fy"):
+            if not NEAREST <= getattr(self, name) <= FARTHEST:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected pixels from {NEAREST:g} to {FARTHEST:g}")
+        for name in ("u0", "v0"):
+            if not abs(getattr(self, name)) <= FARTHEST:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a number of pixels within {FARTHEST:g}")
+        for name in ("resx", "resy"):
+            if not (getattr(self, name) > 0 and getattr(self, name) % 1 == 0):
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a whole number of pixels above 0")

@@ -119,8 +119,11 @@ def _camera(document: dict[str, Any], path: str | Path) -> Camera:
     try:
         numbers = {name: float(intrinsic[name]) for name in ("fx", "fy", "u0", "v0")}
         size = {name: int(intrinsic[name]) for name in ("resx", "resy")}
+        fractions = [name for name in size if size[name] != float(intrinsic[name])]
+        if fractions:
+            raise ValueError(f"{fractions[0]} is {intrinsic[fractions[0]]}, expected a whole number of pixels")
         return Camera(**numbers, **size)
     except KeyError as error:
         raise FoggyError(f"{path}: camera.intrinsic.{error.args[0]} missing") from error
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise FoggyError(f"{path}: camera.intrinsic: {error}") from error

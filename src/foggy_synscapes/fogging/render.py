@@ -87,13 +87,13 @@ def read_camera(path: Path) -> Camera:
         raise FoggyError(
             f"{path}: its header has no {' and no '.join(missing)}. Give the camera as a file: --camera FILE"
         )
-    columns, rows = (tuple(float(edge) for edge in edges) for edges in header["image:window"])
     (left, top), (right, bottom) = header["dataWindow"]
     try:
+        columns, rows = (tuple(float(edge) for edge in edges) for edges in header["image:window"])
         return camera_from_window(
             float(header["camera:zoom"]), columns, rows, int(right - left) + 1, int(bottom - top) + 1
         )
-    except (ValueError, ZeroDivisionError) as error:
+    except (ValueError, TypeError, IndexError, ArithmeticError) as error:
         raise FoggyError(f"{path}: camera in its header: {error}. Give it as a file: --camera FILE") from error
 
 
