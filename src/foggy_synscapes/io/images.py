@@ -23,6 +23,7 @@ from isal import isal_zlib
 from foggy_synscapes.errors import FoggyError
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
+JPEG, START_OF_SCAN, END_OF_IMAGE = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"  # ITU-T T.81, table B.1
 KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
 GREY, RGB = 0, 2
 LARGEST = 100_000_000  # pixels; a header that claims more is an attack or an accident
@@ -56,6 +57,9 @@ def read_rgb(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
     """
     data, name = _bytes(source, name)
     if data[:8] != SIGNATURE and not isinstance(source, bytes):
+        # OpenImageIO's decoder fills what is missing with grey. Within a scan, FF is never followed by D9.
+        if data[:3] == JPEG and data.rfind(END_OF_IMAGE) < data.rfind(START_OF_SCAN):
+            raise FoggyError(f"{name}: cut off at {len(data)} bytes. {AGAIN}")
         return _read_other_rgb(Path(source), name)
     return _read_png(data, name, 8, RGB, "Convert it to 8-bit RGB without alpha.")
 
