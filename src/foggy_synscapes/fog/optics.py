@@ -142,9 +142,14 @@ def count_zero_depth(depth: np.ndarray) -> int:
         raise ValueError(f"depth: {depth.dtype} {depth.shape}, expected float32 (H, W)")
     if depth.min(initial=math.inf) > 0:
         return 0
-    wrong = depth.size - np.count_nonzero(depth >= 0)
+    right = depth >= 0
+    wrong = depth.size - np.count_nonzero(right)
     if wrong:
-        raise ValueError(f"depth: {wrong} values are negative or not a number, expected metres")
+        row, column = np.unravel_index(np.argmin(right), depth.shape)
+        raise ValueError(
+            f"depth: {wrong} values are negative or not a number, expected metres; the first is {depth[row, column]} "
+            f"at row {row}, column {column}"
+        )
     return depth.size - np.count_nonzero(depth)
 
 
