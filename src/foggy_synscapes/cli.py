@@ -8,7 +8,7 @@ import textwrap
 from pathlib import Path
 
 from foggy_synscapes import __version__
-from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.errors import UNFORESEEN, FoggyError, UsageError
 from foggy_synscapes.io import lock
 
 # Word, module below foggy_synscapes.stages, what it does. The first group is the pipeline, in its order.
@@ -79,7 +79,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)
         return 1
-    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError, RecursionError, OSError) as error:
+    except (*UNFORESEEN, OSError) as error:
         # No input should get here: a person still gets one message, and --debug shows where it came from.
         if options.debug:
             raise

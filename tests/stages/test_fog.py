@@ -160,10 +160,13 @@ def spoil(root: Path, what: str) -> str:
         "negative": (
             depth,
             encode_depth(np.where(metres == 8000, -1, metres).astype("f4")),
-            r"2\.exr: .* are negative",
+            r"2\.exr: depth: 640 values are negative .* the first is -1\.0 at row 0, column 0",
         ),
         "nan": (depth, encode_depth(np.where(metres == 8000, np.nan, metres).astype("f4")), "not a number"),
         "meta": (meta, b"{}", r"meta/2\.json: camera\.intrinsic\.fx missing"),
+        "meta without end": (meta, camera_json().replace(": 40,", ": Infinity,").encode(), r"2\.json: .*infinity"),
+        "meta of half a pixel": (meta, camera_json().replace(": 40,", ": 40.5,").encode(), r"2\.json: .*resx is 40\.5"),
+        "far meta": (meta, camera_json().replace("44.0", "1e200").encode(), r"2\.json: .*fx is 1e\+200"),
         "size": (meta, camera_json(Camera(44, 45, 20, 11, 41, 24)).encode(), r"2\.json: its camera has 41 x 24 pixels"),
     }
     if what in ("rgb", "depth", "meta file"):
@@ -181,7 +184,7 @@ def spoil(root: Path, what: str) -> str:
 @pytest.mark.parametrize(
     "what",
     ["rgb", "depth", "meta file", "cut rgb", "changed rgb", "grey rgb", "cut depth", "small depth", "one row",
-     "negative", "nan", "meta", "size", "no Z"],
+     "negative", "nan", "meta", "meta without end", "meta of half a pixel", "far meta", "size", "no Z"],
 )  # fmt: skip
 def test_a_broken_frame_is_named_and_the_others_are_finished(root: Path, tmp_path: Path, capsys, what: str) -> None:
     message = spoil(root, what)
@@ -337,7 +340,9 @@ def test_a_folder_made_of_other_frames_or_another_camera_is_refused(root: Path, 
     assert "frames was" in failure(capsys, fog(other, tmp_path / "out"))
     camera = tmp_path / "camera.json"
     camera.write_text(camera_json())
-    assert "frames was" in failure(capsys, fog(root, tmp_path / "out", "--camera", str(camera)))
+    error = failure(capsys, fog(root, tmp_path / "out", "--camera", str(camera)))
+    assert "camera was meta files, now one file" in error
+    assert "frames was" not in error
     assert tree(tmp_path / "out") == before
 
 

@@ -1,7 +1,6 @@
 """Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
 
 import ctypes
-import os
 import signal
 from collections import deque
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.errors import UNFORESEEN, FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fogging import render
 from foggy_synscapes.fogging.frames import Frame
@@ -71,9 +70,9 @@ def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, L
 
     Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
     """
-    _remove_leftovers(frames, job)
     tasks = ((frame, job, known.get(frame.id)) for frame in frames)
-    if processes == 1:
+    processes = min(processes, len(frames))
+    if processes <= 1:
         render.keep_memory()
         yield from (fog_frame(*task) for task in tasks)
         return
@@ -110,6 +109,8 @@ def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
         done.error = str(error)
     except OSError as error:
         done.error = f"{error.filename or frame.rgb}: {error.strerror} (frame {frame.id})"
+    except UNFORESEEN as error:  # one frame must not stop a hundred thousand others, nor stay unnamed
+        done.error = f"{frame.rgb}: frame {frame.id} cannot be fogged: {type(error).__name__}: {error}"
     return done
 
 
@@ -153,23 +154,16 @@ def _inputs(frame: Frame) -> tuple[Path, ...]:
 
 
 def changed(path: Path) -> int:
-    """When a file was last written or put into its place, in ns: a copy that keeps an old time is new all the same."""
-    status = path.stat()
-    return max(status.st_mtime_ns, status.st_ctime_ns)
+    """When a file was last written or put into its place, in ns: a copy that keeps an old time is new all the same.
+
+    Where it is a symbolic link, also when that was.
+    """
+    return max(time for status in (path.stat(), path.lstat()) for time in (status.st_mtime_ns, status.st_ctime_ns))
 
 
 def _is_right(path: Path, newest: int) -> bool:
     """Whether an image was finished by an earlier run, after its inputs were last changed."""
     return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
-
-
-def _remove_leftovers(frames: list[Frame], job: Job) -> None:
-    """Remove half-written files of these frames; those of other frames may belong to a run beside this one."""
-    own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
-    for folder in job.out.glob("beta_*/*"):
-        for entry in os.scandir(folder):
-            if entry.name.endswith(".part") and entry.name[1:].rsplit(".", 2)[0] in own:
-                Path(entry).unlink(missing_ok=True)
 
 
 def _begin() -> None:

@@ -41,9 +41,11 @@ def of_synscapes(root: Path, ids: str | None, camera: Path | None, in_depth: boo
     folder = root / "img" / "rgb"
     if not folder.is_dir():
         raise UsageError(f"{folder}: no such folder; --synscapes names the folder that holds img/ and meta/")
-    numbers = (
-        parse_ids(ids) if ids else sorted(int(path.stem) for path in folder.glob("*.png") if path.stem.isdecimal())
-    )
+    if ids is not None:
+        numbers = parse_ids(ids)
+    else:  # unpadded, as Synscapes names them: 01.png beside 1.png is another file, not another frame
+        stems = [path.stem for path in folder.glob("*.png")]
+        numbers = sorted(int(stem) for stem in stems if stem.isdecimal() and str(int(stem)) == stem)
     if not numbers:
         raise FoggyError(f"{folder}: holds no image N.png")
     frames = [
@@ -73,6 +75,10 @@ def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path | None) -> 
     for path in sorted(path for path in rgb.iterdir() if path.suffix.lower() in IMAGES):
         if wanted is not None and not (path.stem.isdecimal() and int(path.stem) in wanted):
             continue
+        try:
+            path.name.encode("utf-8")
+        except UnicodeEncodeError as error:
+            raise FoggyError(f"{str(path)!r}: its name is not UTF-8, as the tables are. Rename it.") from error
         metres = depth / f"{path.stem}.exr"
         frame = Frame(path.stem, path, metres, camera or metres)
         other = frames.setdefault(frame.name(""), frame)

@@ -7,7 +7,8 @@ is killed alone, its jobs work on: the next engine waits for them, or they would
 import fcntl
 import os
 import sys
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -43,6 +44,21 @@ def join() -> ExitStack:
             held.enter_context(_take(fcntl.LOCK_SH))
         _lock(held.enter_context(_opened(JOBS)), fcntl.LOCK_SH)
         return held.pop_all()
+
+
+@contextmanager
+def of_folder(path: Path) -> Iterator[None]:
+    """Hold the lock of a folder of results, which is made, while the block runs; another holder's end is waited for."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError as error:
+        raise FoggyError(f"{path}: cannot be opened as a folder: {error.strerror}. Choose another --out.") from error
+    try:
+        _lock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def is_free() -> bool:
@@ -86,7 +102,7 @@ def _opened(path: Path) -> IO[bytes]:
         raise FoggyError(f"{path}: cannot be opened: {error.strerror}. Run this in a folder of your own.") from error
 
 
-def _lock(file: IO[bytes], kind: int) -> None:
+def _lock(file: IO[bytes] | int, kind: int) -> None:
     try:
         fcntl.flock(file, kind)
     except BlockingIOError:

@@ -12,13 +12,15 @@ from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fogging import alone, pipeline
 from foggy_synscapes.fogging.frames import Frame, of_folders, of_synscapes, order
-from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io import lock
+from foggy_synscapes.io.atomic import remove_leftovers, write_text
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import beta_name, load
 from foggy_synscapes.progress import progress
 
 HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
+SETTINGS = "settings.json"
 COLUMNS = ("id", "red", "green", "blue", "row", "column")
 SHOWN = 10  # errors and doubts printed in full
 
@@ -97,38 +99,48 @@ def run(args: argparse.Namespace) -> None:
     else:
         raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight
-    fog(frames, alone.Job(args.out, betas, *options), jobs=args.jobs, keep_going=args.keep_going)
+    fog(frames, alone.Job(args.out, betas, *options), args.camera, jobs=args.jobs, keep_going=args.keep_going)
 
 
-def fog(frames: list[Frame], job: alone.Job, jobs: int = 1, keep_going: bool = False) -> None:
+def fog(
+    frames: list[Frame], job: alone.Job, camera: Path | None = None, jobs: int = 1, keep_going: bool = False
+) -> None:
     """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
 
-    Images that an earlier run finished with the same settings are kept, if their inputs did not change since.
+    Images that an earlier run finished with the same settings are kept, if their inputs did not change since. Another
+    run may be at work on other frames in the same folder.
+
+    camera : file of the camera, where all frames have the same
 
     Raises
     ------
     FoggyError
         Naming the broken frames; with `keep_going` after all others are finished.
     """
-    _check_settings(job, frames)
     table = job.out / "airlight.csv"
-    rows = _read_airlight(table)
+    with lock.of_folder(job.out):
+        own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
+        remove_leftovers(job.out, {*own, SETTINGS, table.name})
+        _check_settings(job, frames, camera)
+        rows = _read_airlight(table)
     known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
+    found: dict[str, alone.Light] = {}
     started, total = time.perf_counter(), alone.Done("")
-    finished, broken, blue = 0, [], []
+    broken: dict[str, str] = {}
+    blue: list[str] = []
     with closing(alone.fog_frames(frames, job, jobs, known)) as results:
         for done in progress(results, "fog", total=len(frames), unit="frame"):
             if done.error:
-                rows.pop(done.id, None)
-                broken.append(done.error)
+                broken[done.id] = done.error
                 if keep_going:
                     continue
                 break
-            rows[done.id] = done.light
-            finished += 1
+            found[done.id] = done.light
             blue += [done.id] if done.blue else []
             total.add(done)
-    write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted(rows, key=order)])
+    with lock.of_folder(job.out):
+        rows = {**_read_airlight(table), **found}
+        write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted({*rows} - {*broken}, key=order)])
     for doubt in _shortened(total.doubts):
         print(f"warning: {doubt}", file=sys.stderr)
     if blue:
@@ -136,12 +148,12 @@ def fog(frames: list[Frame], job: alone.Job, jobs: int = 1, keep_going: bool = F
         print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
     seconds = time.perf_counter() - started
     print(
-        f"fog: {finished} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
+        f"fog: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
         f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
     )
     if broken:
         rest = "" if keep_going else "; mend it and run the command again, or add --keep-going to finish the others"
-        raise FoggyError("\n".join(broken) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
+        raise FoggyError("\n".join(broken.values()) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
 
 
 def _run_job(args: argparse.Namespace) -> None:
@@ -178,38 +190,49 @@ def _betas(texts: list[str]) -> list[str]:
 
 
 def _origin(frames: list[Frame]) -> str:
-    """Tells the folders that frames are read from, without naming them; one camera for all counts with its content."""
-    cameras = {frame.camera for frame in frames}
-    places = sorted({str(path.resolve().parent) for frame in frames for path in (frame.rgb, frame.depth)})
-    camera = sha256(next(iter(cameras))) if len(cameras) == 1 and len(frames) > 1 else "its own"
-    return sha256_bytes("\n".join([*places, camera]).encode())[:16]
+    """Tells the folders that frames are read from, without naming them."""
+    places = sorted({str(path.parent.resolve()) for frame in frames for path in (frame.rgb, frame.depth)})
+    return sha256_bytes("\n".join(places).encode())[:16]
 
 
-def _check_settings(job: alone.Job, frames: list[Frame]) -> None:
+def _camera(frames: list[Frame], camera: Path | None) -> str:
+    """Where cameras come from; one camera for all counts with its content."""
+    if camera is not None:
+        return f"one file, {sha256(camera)[:16]}"
+    return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"
+
+
+def _check_settings(job: alone.Job, frames: list[Frame], camera: Path | None) -> None:
     """Keep one folder from holding images of different frames, settings or versions of the code."""
     code = "".join(sha256(closure.FOLDER / name) for name in closure.sources("fog"))
     settings = {
         "frames": _origin(frames),
+        "camera": _camera(frames, camera),
         "code": sha256_bytes(code.encode())[:16],
         "geometry": job.geometry,
         "blue_airlight": job.treatment,
         "png_level": job.level,
         "foggy_synscapes": __version__,
     }
-    path = job.out / "settings.json"
+    path = job.out / SETTINGS
     if not path.is_file():
+        if any(job.out.glob("beta_*/*/[!.]*")):
+            raise FoggyError(
+                f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
+                "delete the folder."
+            )
         write_text(path, json.dumps(settings, indent=1) + "\n")
         return
     try:
-        before = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
+        before = dict(json.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, TypeError, RecursionError) as error:
         raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
     if before != settings:
         keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
         differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
         raise FoggyError(
             f"{path}: the folder holds images of another kind: {differences} "
-            "(frames: where images, depth and camera come from). Choose another --out, or delete the folder."
+            "(frames, camera: where they come from). Choose another --out, or delete the folder."
         )
 
 
