@@ -1,7 +1,8 @@
 """How fast fog is rendered: python benchmarks/fog.py [--frames 100] [--long 100] [--rounds 100] [--samples DIR]
 
 Five foggy images of each 1440 x 720 frame, on the two real Synscapes samples where --samples (or ../shared/data) has
-them, otherwise on generated frames that decode and encode about as fast.
+them, otherwise on generated frames that decode and encode about as fast (but zlib, in the plain version, takes half the
+time on their noise: how much faster fog is than that version is judged on the real ones only).
   codecs        decoding image and depth, encoding the five foggy images, and nothing else: the floor
   fog           the same with airlight and fog: what `foggy fog` does with a frame between its files
   naive         plain float64 NumPy, read and written by OpenImageIO with its default compression
@@ -205,7 +206,8 @@ def main() -> None:
         line("  over codecs", f"{over:.3f}", f"at most {OVER_CODECS}", over <= OVER_CODECS)
         line("naive, CPU ms a frame", f"{1e3 * slow:.0f}")
         times = float(np.median(faster))
-        line("  over fog", f"{times:.1f}", f"at least {OVER_NAIVE}", times >= OVER_NAIVE)
+        wanted = f"at least {OVER_NAIVE}" if (args.samples / "synscapes").is_dir() else ""
+        line("  over fog", f"{times:.1f}", wanted, times >= OVER_NAIVE)
         line(f"  its pixels (airlight {light.levels})", "equal" if same else "DIFFERENT", "0 different", same)
         roomy = IN_MEMORY.is_dir() and shutil.disk_usage(IN_MEMORY).free > FRAME_BYTES * args.frames
         if roomy:
