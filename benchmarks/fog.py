@@ -32,6 +32,7 @@ from foggy_synscapes.fogging import render
 from foggy_synscapes.io.images import encode_depth, encode_png, read_depth, read_rgb
 from foggy_synscapes.io.photographs import encode_photograph
 
+REAL = "synscapes"  # folder of the real frames below --samples
 BETAS = ["0.005", "0.01", "0.02", "0.03", "0.06"]
 CAMERA = Camera(fx=1590.8, fy=1592.8, u0=771.3, v0=360.8, resx=1440, resy=720)
 REPEATS = 5  # runs by 1 and by 2 processes in turn, of which the median counts
@@ -63,7 +64,7 @@ def frames(folder: Path, count: int, samples: Path) -> Camera:
     """Fill a folder in the layout of Synscapes with `count` frames, two different ones in turn."""
     for name in ("rgb", "depth"):
         (folder / "img" / name).mkdir(parents=True)
-    real = samples / "synscapes"
+    real = samples / REAL
     for number in range(1, count + 1):
         paths = folder / f"img/rgb/{number}.png", folder / f"img/depth/{number}.exr"
         kind = 2 - number % 2
@@ -206,7 +207,7 @@ def main() -> None:
         line("  over codecs", f"{over:.3f}", f"at most {OVER_CODECS}", over <= OVER_CODECS)
         line("naive, CPU ms a frame", f"{1e3 * slow:.0f}")
         times = float(np.median(faster))
-        wanted = f"at least {OVER_NAIVE}" if (args.samples / "synscapes").is_dir() else ""
+        wanted = f"at least {OVER_NAIVE}" if (args.samples / REAL).is_dir() else ""
         line("  over fog", f"{times:.1f}", wanted, times >= OVER_NAIVE)
         line(f"  its pixels (airlight {light.levels})", "equal" if same else "DIFFERENT", "0 different", same)
         roomy = IN_MEMORY.is_dir() and shutil.disk_usage(IN_MEMORY).free > FRAME_BYTES * args.frames

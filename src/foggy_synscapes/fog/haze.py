@@ -2,7 +2,7 @@
 
 A band is as many rows as a square of the dark channel is high: the squares around all of its pixels contain a part of
 its middle row, which so tells what the dark channel there may be at most. In a street scene the haziest pixels are the
-sky's, and three quarters of the bands need no work beyond their middle row.
+sky's: of 48 bands of the two real samples, 39 and 30 need no work beyond their middle row.
 """
 
 import numpy as np
@@ -119,17 +119,16 @@ def _take(values, out):
         out[x] = values[x]
 
 
-# What they write must be other memory than what they read beside it: only then whole vectors can be taken.
-
-
 @compiled
 def _lower(values, others):
+    """values = min(values, others), which must be other memory: only then whole vectors can be taken."""
     for x in range(values.size):
         values[x] = min(values[x], others[x])
 
 
 @compiled
 def _lower_of(values, others, out):
+    """out = min(values, others); `out` must be other memory than both."""
     for x in range(values.size):
         out[x] = min(values[x], others[x])
 
