@@ -183,3 +183,16 @@ def test_images_are_paired_with_the_labels_of_their_own_frame() -> None:
         lists.paired(images, labels[::-1], "demo")
     with pytest.raises(FoggyError, match="2 images but 1 label maps"):
         lists.paired(images, labels[:1], "demo")
+
+
+def test_a_file_has_the_permissions_of_any_new_one_and_no_thread_sees_another_mask(tmp_path: Path, monkeypatch) -> None:
+    asked: list[int] = []
+    before = os.umask(0o027)
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "umask", lambda mask: asked.append(mask) or 0o027)
+            write_bytes(tmp_path / "file", b"content")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "file").stat().st_mode & 0o777 == 0o640
+    assert asked == []
