@@ -12,15 +12,15 @@ from shlex import quote
 
 from snakemake.utils import min_version
 
-from foggy_synscapes import closure
+from foggy_synscapes.provenance import source_digest
 from foggy_synscapes import params as parameters
 from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.lineage.check import made_otherwise
-from foggy_synscapes.recorded import select
+from foggy_synscapes.provenance.check import stale_results
+from foggy_synscapes.provenance.recorded import select
 
 min_version("9.27")
 
@@ -82,18 +82,18 @@ def check_raw_data():
 
 def check_makers():
     """Refuse to plan on results that others made with other params: Snakemake would take them for up to date."""
-    strange = made_otherwise(PARAMS)
-    if strange:
+    stale = stale_results(PARAMS)
+    if stale:
         raise WorkflowError(
-            f"{strange[0]}: made with other params than those of {PARAMS_FILE}, by DVC or by hand, so that Snakemake "
-            f"does not know it ({len(strange)} such files). Run `make repro` where DVC made it, then `foggy adopt "
+            f"{stale[0]}: made with other params than those of {PARAMS_FILE}, by DVC or by hand, so that Snakemake "
+            f"does not know it ({len(stale)} such files). Run `make repro` where DVC made it, then `foggy adopt "
             "--from dvc`; else delete the results of this step and of those that follow, then run this again."
         )
 
 
 def code(word):
     """Source files that a command runs: an edit there re-runs its jobs."""
-    return [f"src/foggy_synscapes/{name}" for name in closure.sources(word)]
+    return [f"src/foggy_synscapes/{name}" for name in source_digest.sources(word)]
 
 
 def versions(word):

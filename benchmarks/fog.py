@@ -28,7 +28,7 @@ import numpy as np
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.fog.airlight import GREY, estimate
-from foggy_synscapes.fogging import render
+from foggy_synscapes.frames import rendering
 from foggy_synscapes.io.images import encode_depth, encode_png, read_depth, read_rgb
 from foggy_synscapes.io.photographs import encode_photograph
 
@@ -91,10 +91,10 @@ def codecs(folder: Path, frame: int, foggy: list[np.ndarray], level: int) -> Non
 
 def fog(folder: Path, frame: int, camera: Camera, level: int) -> list[bytes]:
     paths = folder / f"img/rgb/{frame}.png", folder / f"img/depth/{frame}.exr"
-    clear = render.read_clear(*paths, *map(str, paths))
-    light, _ = render.airlight_of(clear.image, "keep")
-    lines = render.rays_of(clear, camera, "camera", "paper")
-    return list(render.foggy_pngs(clear, lines, light, BETAS, level))
+    clear = rendering.read_clear(*paths, *map(str, paths))
+    light, _ = rendering.airlight_of(clear.image, "keep")
+    lines = rendering.rays_of(clear, camera, "camera", "paper")
+    return list(rendering.foggy_pngs(clear, lines, light, BETAS, level))
 
 
 def naive(folder: Path, frame: int, camera: Camera, out: Path) -> None:
@@ -184,7 +184,7 @@ def main() -> None:
     parser.add_argument("--png-level", type=int, choices=range(4), default=0, help="of `foggy fog` (default: 0)")
     args = parser.parse_args()
     level = args.png_level
-    render.keep_memory()
+    rendering.keep_memory()
     with tempfile.TemporaryDirectory() as name:
         folder, out = Path(name) / "frames", Path(name) / "out"
         out.mkdir()

@@ -20,7 +20,7 @@ import torch
 from foggy_synscapes.networks import PUBLISHED
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Model, Preprocessing
-from foggy_synscapes.weighing.networks import EAGER, INT8, THREADS, ways_at
+from foggy_synscapes.tradeoff.networks import EAGER, INT8, THREADS, ways_at
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--network", choices=list(PUBLISHED), default="bisenet")

@@ -16,7 +16,7 @@ from fog import cpu, frames
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.uris import Reader
-from foggy_synscapes.fogging import recipes, render
+from foggy_synscapes.frames import recipes, rendering
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_rgb
 
@@ -30,7 +30,7 @@ def main() -> None:
     )
     parser.add_argument("--samples", type=Path, default=Path("../shared/data"), help="folder of the real samples")
     args = parser.parse_args()
-    render.keep_memory()
+    rendering.keep_memory()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         camera = frames(folder, 2, args.samples)
@@ -38,12 +38,12 @@ def main() -> None:
         made = []
         for frame in (1, 2):
             paths = synscapes.rgb(frame), synscapes.depth(frame)
-            clear = render.read_clear(*(folder / path for path in paths), *paths)
-            light, _ = render.airlight_of(clear.image, render.KEEP)
+            clear = rendering.read_clear(*(folder / path for path in paths), *paths)
+            light, _ = rendering.airlight_of(clear.image, rendering.KEEP)
             index = {path: sha256(folder / path) for path in paths}
             recipe = recipes.write(clear, camera, "paper", light, BETA, frame, index)
-            lines = render.rays_of(clear, camera, "camera", "paper")
-            (png,) = render.foggy_pngs(clear, lines, light, [BETA], 0)
+            lines = rendering.rays_of(clear, camera, "camera", "paper")
+            (png,) = rendering.foggy_pngs(clear, lines, light, [BETA], 0)
             same = np.array_equal(recipes.composite(recipe, reader.read, "recipe"), read_rgb(png))
             assert same, "other pixels on the fly"
             made.append((png, recipe))

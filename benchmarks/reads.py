@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
 from engines import SMOKE, clone, own_sources, planned, run
 from reads import undeclared, watch
 
-from foggy_synscapes import closure
 from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.provenance import source_digest
 
 # What other rows do, too, is looked at once.
 JOBS = ("scenes *", "filter", "fog *", "subset *", "train * C 0", "train bisenet FC-FS-498 0", "evaluate bisenet C 0 *")
@@ -59,7 +59,7 @@ def main() -> int:
                 print(f"    {problem}", flush=True)
             failed += bool(problems)
     for word, modules in imported.items():
-        never = [name for name in closure.sources(word) if name.endswith(".py") and name not in modules]
+        never = [name for name in source_digest.sources(word) if name.endswith(".py") and name not in modules]
         if never and not options.only:
             print(f"{word}: declares but never imports {', '.join(never)}")
             failed += 1

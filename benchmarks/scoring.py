@@ -21,9 +21,9 @@ import numpy as np
 from cityscapesscripts.evaluation import evalPixelLevelSemanticLabeling as scorer
 from PIL import Image
 
-from foggy_synscapes.datasets.labels import IGNORE, from_train_ids
 from foggy_synscapes.datasets.predictions import count_pairs
 from foggy_synscapes.io.images import encode_png, read_ids
+from foggy_synscapes.labels import IGNORE, from_train_ids
 from foggy_synscapes.scoring.iou import iou
 
 SHAPE = 1024, 2048

@@ -11,7 +11,7 @@ from pathlib import Path
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.tables import read_csv
-from foggy_synscapes.tabling.numbers import round_half_up
+from foggy_synscapes.tables.numbers import round_half_up
 
 START, END = "<!-- status -->", "<!-- end of status -->"
 TITLES = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich-test"}

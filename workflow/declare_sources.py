@@ -7,9 +7,9 @@ of the libraries that it computes with; both engines run a step again where one 
 import re
 from pathlib import Path
 
-from foggy_synscapes import closure
 from foggy_synscapes.io.atomic import write_text
-from foggy_synscapes.io.runs import DISTRIBUTIONS
+from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.runs import DISTRIBUTIONS
 
 SOURCE = re.compile(r"^( *)- src/foggy_synscapes/")
 COMMAND = re.compile(r"^ *cmd: foggy (\w+)")
@@ -29,7 +29,7 @@ def declare(lines: list[str]) -> list[str]:
         if source is None:
             written.append(line)
         elif SOURCE.match(lines[number - 1]) is None:
-            written += [f"{source[1]}- src/foggy_synscapes/{name}" for name in closure.sources(word)]
+            written += [f"{source[1]}- src/foggy_synscapes/{name}" for name in source_digest.sources(word)]
     return written
 
 
@@ -43,7 +43,7 @@ def versions(lock: str) -> str:
         "# Versions of the libraries that each step computes with, from requirements.lock; made by `make sources`."
     ]
     for word in WORDS:
-        names = [DISTRIBUTIONS.get(name, name) for name in closure.libraries(word) if name not in NOT_COMPUTING]
+        names = [DISTRIBUTIONS.get(name, name) for name in source_digest.libraries(word) if name not in NOT_COMPUTING]
         values = ", ".join(f'{name}: "{locked[name.lower()]}"' for name in names)
         lines.append(f"{word}: {{{values}}}")
     return "\n".join(lines) + "\n"

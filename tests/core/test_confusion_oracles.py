@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from foggy_synscapes.datasets.labels import CLASSES, from_train_ids
 from foggy_synscapes.io.images import encode_png
+from foggy_synscapes.labels import CLASSES, from_train_ids
 from foggy_synscapes.scoring import iou
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.metrics import summarize

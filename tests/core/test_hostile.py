@@ -15,12 +15,12 @@ from foggy_synscapes.datasets.index import COLUMNS, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.io.runs import read_run
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import check
-from foggy_synscapes.tabling import html, latex, markdown
-from foggy_synscapes.tabling.grid import Block, Cell, Grid, Head, Line
+from foggy_synscapes.provenance.runs import read_run
+from foggy_synscapes.tables import html, latex, markdown
+from foggy_synscapes.tables.grid import Block, Cell, Grid, Head, Line
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTSIDE = ["../../x", "/etc/hostname", "a/../../x", "a\\..\\x", "./x", ""]

@@ -22,9 +22,9 @@ from public_layouts import (
     torchvision,
 )
 
-from foggy_synscapes.networks import matconvnet
 from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.imports import convert
+from foggy_synscapes.networks.importers import matconvnet
+from foggy_synscapes.networks.importers.convert import convert
 from foggy_synscapes.networks.weights import dump_tensors, load_model, load_start
 
 

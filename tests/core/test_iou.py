@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from foggy_synscapes.datasets.labels import CLASSES
+from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring import iou
 from foggy_synscapes.scoring.metrics import check, summarize
 
@@ -26,9 +26,9 @@ def nineteen(**rows):
 
 
 def test_three_classes_worked_by_hand():
-    assert iou.hits(WORKED).tolist() == [50, 80, 0]
-    assert iou.false_alarms(WORKED).tolist() == [20, 10, 5]
-    assert iou.misses(WORKED).tolist() == [20, 20, 0]
+    assert iou.true_positives(WORKED).tolist() == [50, 80, 0]
+    assert iou.false_positives(WORKED).tolist() == [20, 10, 5]
+    assert iou.false_negatives(WORKED).tolist() == [20, 20, 0]
     scores = iou.iou(WORKED)
     assert scores[:2].tolist() == [50 / 90, 80 / 110]
     assert math.isnan(scores[2])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cityscapesscripts.helpers.labels import labels as official
 
-from foggy_synscapes.datasets import labels
+from foggy_synscapes import labels
 
 
 def test_the_tables_are_those_of_the_cityscapes_scripts() -> None:

@@ -8,7 +8,7 @@ import pytest
 from foggy_synscapes import params
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.training_params import Duration
+from foggy_synscapes.params.training import Duration
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from foggy_synscapes.published import TEST_SETS, load
-from foggy_synscapes.tabling import latex
-from foggy_synscapes.tabling.numbers import round_half_up
-from foggy_synscapes.tabling.paper import notes, published_columns, published_grid
+from foggy_synscapes.tables import latex
+from foggy_synscapes.tables.numbers import round_half_up
+from foggy_synscapes.tables.paper import notes, published_columns, published_grid
+from foggy_synscapes.tables.published import TEST_SETS, load
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 # Of `cells()` below, for both tables: a change of any label, number or bold mark changes it.

@@ -11,11 +11,11 @@ from records import vouch
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.instructions import instructions
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.io.runs import checked_inputs, read_run, write_run
 from foggy_synscapes.params import check
-from foggy_synscapes.recorded import leaves, recorded
+from foggy_synscapes.provenance.instructions import instructions
+from foggy_synscapes.provenance.recorded import leaves, recorded
+from foggy_synscapes.provenance.runs import checked_inputs, read_run, write_run
 
 ROOT = Path(__file__).resolve().parents[2]
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
@@ -93,7 +93,7 @@ def test_records_beside_each_other_vouch_for_their_own_files_only() -> None:
 
 def test_a_record_names_versions_code_and_instruction_set() -> None:
     record = read_run(METRICS.with_name("run.json"))
-    assert record["code"].keys() >= {"stages/tables.py", "io/runs.py"}
+    assert record["code"].keys() >= {"stages/tables.py", "provenance/runs.py"}
     assert record["versions"].keys() >= {"python", "foggy-synscapes", "numpy"}
     assert record["instructions"] == instructions()
     assert record["instructions"]["machine"]
@@ -101,7 +101,9 @@ def test_a_record_names_versions_code_and_instruction_set() -> None:
 
 
 def test_a_limit_on_the_instruction_set_is_recorded() -> None:
-    code = "from foggy_synscapes.io.instructions import instructions; print(instructions()['ATEN_CPU_CAPABILITY'])"
+    code = (
+        "from foggy_synscapes.provenance.instructions import instructions; print(instructions()['ATEN_CPU_CAPABILITY'])"
+    )
     told = subprocess.run([sys.executable, "-c", code], env={"ATEN_CPU_CAPABILITY": "avx2"}, capture_output=True)
     assert told.stdout == b"avx2\n"
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from foggy_synscapes.datasets.labels import CLASSES, LABEL_IDS, to_train_ids
 from foggy_synscapes.datasets.synscapes import SCENE_KEYS
 from foggy_synscapes.fog.airlight import estimate
-from foggy_synscapes.scenes import Scene, frames, render
-from foggy_synscapes.scenes.sky import BLUE_EVERY, BRIGHTEST, is_blue
+from foggy_synscapes.labels import CLASSES, LABEL_IDS, to_train_ids
+from foggy_synscapes.standin import Scene, frames, render
+from foggy_synscapes.standin.sky import BLUE_EVERY, BRIGHTEST, is_blue
 
 SIZE = (128, 256)
 COUNT = 60

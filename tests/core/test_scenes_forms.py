@@ -6,8 +6,9 @@ import pytest
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.fog.frame import foggy_frame
 from foggy_synscapes.fog.geometry import rays
-from foggy_synscapes.scenes import annotate, frames, haze, stereo
-from foggy_synscapes.scenes.canvas import FARTHEST
+from foggy_synscapes.standin import annotate, frames, stereo
+from foggy_synscapes.standin import fog as haze
+from foggy_synscapes.standin.canvas import FARTHEST
 
 SIZE = (96, 192)
 

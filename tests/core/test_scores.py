@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from foggy_synscapes.datasets.labels import CLASSES
-from foggy_synscapes.plotting.scores import class_change, confusion
-from foggy_synscapes.plotting.style import render
+from foggy_synscapes.figures.scores import class_change, confusion
+from foggy_synscapes.figures.style import render
+from foggy_synscapes.labels import CLASSES
 
 CHANGES = {
     "RefineNet": {"FC": [1.0, None, -2.0, 0.5], "FS": [0.0, None, 4.0, 1.5]},

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from foggy_synscapes.datasets.labels import CLASSES
-from foggy_synscapes.published import load
+from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring.metrics import summarize
-from foggy_synscapes.tabling import latex, markdown
-from foggy_synscapes.tabling.grid import Block, Cell, Grid, Head, Line
-from foggy_synscapes.tabling.numbers import best, round_half_up, signed
-from foggy_synscapes.tabling.ours import grids, long_columns
-from foggy_synscapes.tabling.results import ANNOTATED, AS_PUBLISHED, RowLabel, Score, annotated_classes, collect
+from foggy_synscapes.tables import latex, markdown
+from foggy_synscapes.tables.grid import Block, Cell, Grid, Head, Line
+from foggy_synscapes.tables.numbers import best, round_half_up, signed
+from foggy_synscapes.tables.ours import grids, long_columns
+from foggy_synscapes.tables.published import load
+from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, RowLabel, Score, annotated_classes, collect
 
 C = RowLabel("C", "C", "-", None, None)
 FS = RowLabel("FS-24500", "C", "FS", 24500, 600)

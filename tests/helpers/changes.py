@@ -189,10 +189,10 @@ CHANGES = (
     ),
     Change(
         "code of a table: its caption",
-        edit_code("tabling/ours.py", "IoU in percent. {ABB", "IoU in %. {ABB"),
+        edit_code("tables/ours.py", "IoU in percent. {ABB", "IoU in %. {ABB"),
         direct=("tables *",),
     ),
-    Change("a comment in the code of a table", edit_code("tabling/ours.py"), direct=("tables *",)),
+    Change("a comment in the code of a table", edit_code("tables/ours.py"), direct=("tables *",)),
     Change(
         "a published number",
         edit_code("published/foggy_zurich.csv", "74.3,56.5", "74.4,56.5"),
@@ -205,7 +205,7 @@ CHANGES = (
     ),
     Change(
         "a comment in the code of the stand-in",
-        edit_code("scenes/street.py"),
+        edit_code("standin/street.py"),
         direct=("scenes *",),
         dvc_follow=("filter", *(f"subset {row}" for row in PURE), *FRAMES),
         note=FOLDERS,

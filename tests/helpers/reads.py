@@ -14,11 +14,11 @@ from pathlib import Path
 
 from engines import environment
 
-from foggy_synscapes import closure
 from foggy_synscapes.datasets.index import CACHE
-from foggy_synscapes.io.runs import record_of
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import STAND_IN, load
+from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.runs import record_of
 
 HELPERS = Path(__file__).resolve().parent
 LOCKS = ".foggy"
@@ -72,7 +72,7 @@ def undeclared(
     # What is declared is checked against the record that its maker wrote.
     with chdir(folder):
         allowed |= {folder / record_of(Path(path)) for path in inputs if path.startswith("results/")}
-    sources = {folder / "src/foggy_synscapes" / name for name in {*closure.sources(word), *ENTRY}}
+    sources = {folder / "src/foggy_synscapes" / name for name in {*source_digest.sources(word), *ENTRY}}
     # What a job writes beside its outputs, to go on after an interruption, is its own.
     rooms = [(folder / path).parent for path in outputs]
     if word == "scenes":
@@ -93,7 +93,7 @@ def undeclared(
         for path in sorted(reads.folders)
         if path.is_relative_to(folder / "results") and not any(path.is_relative_to(room) for room in rooms)
     ]
-    imported = reads.modules - set(closure.sources(word)) - ENTRY
+    imported = reads.modules - set(source_digest.sources(word)) - ENTRY
     return problems + sorted(reads.other) + [f"imports {name}" for name in sorted(imported)]
 
 

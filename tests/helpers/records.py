@@ -5,7 +5,7 @@ from pathlib import Path
 
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.runs import record_of
+from foggy_synscapes.provenance.runs import record_of
 
 
 def vouch(*paths: str | Path) -> None:

@@ -14,12 +14,12 @@ from records import vouch
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import foggy_driving, foggy_zurich
 from foggy_synscapes.datasets.index import write_index
-from foggy_synscapes.datasets.labels import CLASSES, from_train_ids
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.images import encode_png, read_ids
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.shards import Shard
+from foggy_synscapes.labels import CLASSES, from_train_ids
 from foggy_synscapes.params import check
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.metrics import summarize

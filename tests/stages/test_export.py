@@ -10,16 +10,16 @@ import pytest
 import torch
 
 from foggy_synscapes.cli import main
-from foggy_synscapes.inference.graph import Graph, with_paired_stems
-from foggy_synscapes.inference.onnx_export import OPSET, to_onnx, with_output
-from foggy_synscapes.inference.quantize import to_int8
-from foggy_synscapes.inference.session import Session
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump
+from foggy_synscapes.tradeoff.graph import Graph, with_paired_stems
+from foggy_synscapes.tradeoff.onnx_export import OPSET, to_onnx, with_output
+from foggy_synscapes.tradeoff.quantize import to_int8
+from foggy_synscapes.tradeoff.session import Session
 
 ROOT = Path(__file__).resolve().parents[2]
 SCALE = 0.75
@@ -134,7 +134,7 @@ def here(models, graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     """A folder with a model, a list of images, and the exporter's work done already."""
     monkeypatch.chdir(tmp_path)
     Path("m.safetensors").write_bytes(dump(models["bisenet"].network, models["bisenet"].preprocessing))
-    monkeypatch.setattr("foggy_synscapes.inference.onnx_export.to_onnx", lambda model, scale: graph)
+    monkeypatch.setattr("foggy_synscapes.tradeoff.onnx_export.to_onnx", lambda model, scale: graph)
     folder = Path("results/scenes/cityscapes")
     folder.mkdir(parents=True)
     rows = []

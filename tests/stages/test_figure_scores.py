@@ -8,10 +8,10 @@ import pytest
 from records import vouch
 
 from foggy_synscapes.cli import main
+from foggy_synscapes.figures.histogram import cut_histogram
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.plotting.histogram import cut_histogram
 from foggy_synscapes.scoring.metrics import summarize
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,7 +15,7 @@ from PIL import Image
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.cli import main
-from foggy_synscapes.fogging import render
+from foggy_synscapes.frames import rendering
 from foggy_synscapes.io.images import encode_depth, encode_png, read_rgb
 from foggy_synscapes.io.tables import read_csv
 
@@ -127,12 +127,12 @@ def test_a_header_that_describes_no_camera_is_named(root: Path, tmp_path: Path, 
 
 
 def test_a_frame_that_fails_as_no_check_foresaw_is_named(root: Path, tmp_path: Path, capsys, monkeypatch) -> None:
-    read = render.read_clear
+    read = rendering.read_clear
 
-    def strange(rgb: Path, *others: object) -> render.Clear:
+    def strange(rgb: Path, *others: object) -> rendering.Clear:
         return read(rgb, *others) if rgb.stem != "2" else {}["nothing like it"]
 
-    monkeypatch.setattr(render, "read_clear", strange)
+    monkeypatch.setattr(rendering, "read_clear", strange)
     assert fog(root, tmp_path / "out", "--keep-going") == 1
     error = capsys.readouterr().err
     assert "img/rgb/2.png: frame 2 cannot be fogged: KeyError: 'nothing like it'" in error

@@ -17,7 +17,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import rays
 from foggy_synscapes.fog.optics import foggy_images
-from foggy_synscapes.fogging import pipeline, recipes
+from foggy_synscapes.frames import recipes, shards
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_rgb
 from foggy_synscapes.io.plain_yaml import read_yaml
@@ -62,8 +62,8 @@ def change(**fog: object) -> Params:
 
 
 def make(params: Params, shard: str = "0000") -> None:
-    pipeline.airlight(params, shard)
-    pipeline.fog(params, "0.005", shard)
+    shards.airlight(params, shard)
+    shards.fog(params, "0.005", shard)
 
 
 def names(shard: Path = SHARD) -> list[str]:
@@ -131,7 +131,7 @@ def test_an_interrupted_shard_goes_on_and_ends_with_the_same_bytes(params: Param
     whole = tree(Path("results/fog"))
     SHARD.unlink()
     rendered: list[str] = []
-    real = pipeline.render.foggy_pngs
+    real = shards.render.foggy_pngs
 
     def interrupted(clear, *rest):
         if len(rendered) == 2:
@@ -139,28 +139,28 @@ def test_an_interrupted_shard_goes_on_and_ends_with_the_same_bytes(params: Param
         rendered.append(clear.rgb_name)
         return real(clear, *rest)
 
-    monkeypatch.setattr(pipeline.render, "foggy_pngs", interrupted)
+    monkeypatch.setattr(shards.render, "foggy_pngs", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        pipeline.fog(params, "0.005", "0000")
+        shards.fog(params, "0.005", "0000")
     assert not SHARD.exists()
     # The second finished image is damaged since: it is made again, the first is kept.
     (SHARD.parent / ".0000" / "00002_beta_0.005.png").write_bytes(b"half")
     monkeypatch.setattr(
-        pipeline.render, "foggy_pngs", lambda clear, *rest: (rendered.append(clear.rgb_name), real(clear, *rest))[1]
+        shards.render, "foggy_pngs", lambda clear, *rest: (rendered.append(clear.rgb_name), real(clear, *rest))[1]
     )
-    pipeline.fog(params, "0.005", "0000")
+    shards.fog(params, "0.005", "0000")
     assert rendered == [f"synscapes/img/rgb/{n}.png" for n in (1, 2, 2, 4, 5)]
     assert tree(Path("results/fog")) == whole
 
 
 def test_what_other_params_left_behind_is_not_taken_over(params: Params, monkeypatch) -> None:
-    pipeline.airlight(params, "0000")
+    shards.airlight(params, "0000")
     with monkeypatch.context() as patch:
-        patch.setattr(pipeline, "write_shard", lambda path, members: next(members) and 1 / 0)
+        patch.setattr(shards, "write_shard", lambda path, members: next(members) and 1 / 0)
         with pytest.raises(ZeroDivisionError):
-            pipeline.fog(params, "0.005", "0000")
+            shards.fog(params, "0.005", "0000")
     assert (SHARD.parent / ".0000" / "00001_beta_0.005.png").is_file()
-    pipeline.fog(change(geometry="exact"), "0.005", "0000")
+    shards.fog(change(geometry="exact"), "0.005", "0000")
     image, depth = content(1)
     with Shard(SHARD) as shard:
         ours = read_rgb(shard.read("00001_beta_0.005.png"))
@@ -172,30 +172,30 @@ def test_what_other_params_left_behind_is_not_taken_over(params: Params, monkeyp
 def test_data_that_changed_since_it_was_indexed_is_refused(params: Params) -> None:
     write_frame(Path("synscapes"), 2)
     Path("synscapes/img/depth/2.exr").write_bytes(b"new")
-    pipeline.airlight(params, "0000")
+    shards.airlight(params, "0000")
     with pytest.raises(FoggyError, match=r"img/depth/2\.exr: its content changed since it was listed"):
-        pipeline.fog(params, "0.005", "0000")
+        shards.fog(params, "0.005", "0000")
     assert not SHARD.exists()
 
 
 def test_a_frame_outside_the_index_or_the_table_is_named(params: Params) -> None:
     with pytest.raises(FoggyError, match=r"airlight/0000\.csv: missing"):
-        pipeline.fog(params, "0.005", "0000")
-    pipeline.airlight(params, "0000")
+        shards.fog(params, "0.005", "0000")
+    shards.airlight(params, "0000")
     index(Path("synscapes"), range(1, 2), "0000")
     with pytest.raises(FoggyError, match=r"img/rgb/2\.png is not in the index"):
-        pipeline.fog(params, "0.005", "0000")
+        shards.fog(params, "0.005", "0000")
     index(Path("synscapes"), range(1, 7), "0000")
     table = read_csv("results/fog/airlight/0000.csv")
     write_csv("results/fog/airlight/0000.csv", tuple(table[0]), [tuple(row.values()) for row in table[:2]])
     vouch()
     with pytest.raises(FoggyError, match="no frame 4"):
-        pipeline.fog(params, "0.005", "0000")
+        shards.fog(params, "0.005", "0000")
 
 
 def test_more_frames_than_were_kept_are_refused(params: Params) -> None:
     with pytest.raises(FoggyError, match="asks for the first 6 and the last 2 kept frames, but the filter kept 7"):
-        pipeline.airlight(change(frames={"first": 6, "last": 2}), "0000")
+        shards.airlight(change(frames={"first": 6, "last": 2}), "0000")
 
 
 @pytest.mark.parametrize(
@@ -272,8 +272,8 @@ def test_a_recipe_is_kept_after_an_interruption(params: Params, monkeypatch: pyt
     with monkeypatch.context() as patch:
         patch.setattr(recipes, "write", stop)
         with pytest.raises(KeyboardInterrupt):
-            pipeline.fog(params, "0.005", "0000")
-    pipeline.fog(params, "0.005", "0000")
+            shards.fog(params, "0.005", "0000")
+    shards.fog(params, "0.005", "0000")
     assert sha256(SHARD) == whole
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.fog.airlight import dark_channel
-from foggy_synscapes.fogging.render import read_camera
+from foggy_synscapes.frames.rendering import read_camera
 from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.tables import read_csv
 

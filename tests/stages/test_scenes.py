@@ -9,14 +9,14 @@ import pytest
 
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, synscapes
 from foggy_synscapes.datasets.index import index_path, read_index
-from foggy_synscapes.datasets.labels import check_train_ids, to_train_ids
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_depth, read_grey16, read_ids, read_rgb
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.labels import check_train_ids, to_train_ids
 from foggy_synscapes.params import Params, check
-from foggy_synscapes.scenes import frames
 from foggy_synscapes.stages.scenes import DATASETS, scenes
+from foggy_synscapes.standin import frames
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = (32, 64)

@@ -11,12 +11,12 @@ from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import write_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import estimate
-from foggy_synscapes.fog.variants import Variant, variants
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, check
 from foggy_synscapes.stages.tradeoff import tradeoff
-from foggy_synscapes.weighing.fog import Score, measure, paragraph, pareto_front
+from foggy_synscapes.tradeoff.fog import Score, measure, paragraph, pareto_front
+from foggy_synscapes.tradeoff.fog_variants import Variant, variants
 
 ROOT = Path(__file__).resolve().parents[2]
 BETAS = [0.005, 0.01, 0.02, 0.03, 0.06]

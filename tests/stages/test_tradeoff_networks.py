@@ -19,8 +19,8 @@ from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump, load_model
 from foggy_synscapes.scoring.metrics import summarize
-from foggy_synscapes.weighing import training
-from foggy_synscapes.weighing.networks import (
+from foggy_synscapes.tradeoff import training
+from foggy_synscapes.tradeoff.networks import (
     BFLOAT16,
     EAGER,
     INT8,
@@ -32,7 +32,7 @@ from foggy_synscapes.weighing.networks import (
     pareto_front,
     recommended,
 )
-from foggy_synscapes.weighing.words import rows
+from foggy_synscapes.tradeoff.text import rows
 
 MODEL = Path("results/train/refinenet/FC-498/seed-0/model.safetensors")
 

@@ -12,7 +12,7 @@ from training_project import frame, hashes, interrupt, project_in, train, write_
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import synscapes, uris
-from foggy_synscapes.fogging import recipes, render
+from foggy_synscapes.frames import recipes, rendering
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.shards import write_shard
@@ -213,18 +213,18 @@ def test_an_imported_backbone_is_a_start(project, capsys):
 
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_file_that_vanishes_while_it_trains_is_named(project, monkeypatch, capsys, workers):
-    from foggy_synscapes.datasets import listed
+    from foggy_synscapes.datasets import pairs
 
     project(("cache",), 0)
     project(("workers",), workers)
     project(("snapshot",), 100)
-    first = listed.Listed.__init__
+    first = pairs.PairDataset.__init__
 
     def vanish(self, path, *arguments):
         first(self, path, *arguments)
         Path("results/scenes/cityscapes/image_2.png").unlink(missing_ok=True)
 
-    monkeypatch.setattr(listed.Listed, "__init__", vanish)
+    monkeypatch.setattr(pairs.PairDataset, "__init__", vanish)
     refused(capsys, "image_2.png", "cannot be read")
 
 
@@ -257,13 +257,13 @@ def write_foggy_lists(row, recipe):
         (folder / f"{number}.png").write_bytes(label)
         paths = synscapes.rgb(number), synscapes.depth(number)
         index |= {path: sha256(folder / path) for path in paths}
-        clear = render.read_clear(*(folder / path for path in paths), *paths)
-        light, _ = render.airlight_of(clear.image, render.KEEP)
+        clear = rendering.read_clear(*(folder / path for path in paths), *paths)
+        light, _ = rendering.airlight_of(clear.image, rendering.KEEP)
         name = synscapes.foggy_name(number, beta)
         if recipe:
             name, data = uris.recipe(name), recipes.write(clear, CAMERA, "paper", light, beta, number, index)
         else:
-            (data,) = render.foggy_pngs(clear, render.rays_of(clear, CAMERA, "", "paper"), light, [beta], 0)
+            (data,) = rendering.foggy_pngs(clear, rendering.rays_of(clear, CAMERA, "", "paper"), light, [beta], 0)
         members.append((name, data))
         entries.append([uris.of_fog(beta, "0000", name), sha256_bytes(data), f"synscapes:{number}.png"])
         entries[-1].append(sha256_bytes(label))

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 from dvc.repo import Repo
 
-from foggy_synscapes import closure
+from foggy_synscapes.provenance import source_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 # Folders that only DVC knows as outputs: it restores stand-in images from its cache, file by file.
@@ -101,7 +101,7 @@ def test_each_step_waits_for_the_same_steps(snakemake: dict[str, Step], dvc: dic
 def test_each_step_declares_every_source_file_that_it_imports(dvc: dict[str, Step]) -> None:
     for command, step in dvc.items():
         declared = {path.removeprefix("src/foggy_synscapes/") for path in step.inputs if path.startswith("src/")}
-        needed = set(closure.sources(command.split()[1]))
+        needed = set(source_digest.sources(command.split()[1]))
         assert declared == needed, f"`{command}`: add {sorted(needed - declared)}, remove {sorted(declared - needed)}"
 
 
@@ -114,13 +114,13 @@ def test_each_step_declares_the_locked_versions_of_its_libraries() -> None:
 
 
 def test_an_edit_of_the_fog_core_leaves_the_filter_alone() -> None:
-    assert not [path for path in closure.sources("filter") if path.startswith("fog/")]
-    assert [path for path in closure.sources("fog") if path.startswith("fog/")]
+    assert not [path for path in source_digest.sources("filter") if path.startswith("fog/")]
+    assert [path for path in source_digest.sources("fog") if path.startswith("fog/")]
 
 
 @pytest.mark.parametrize("word", ["scenes", "filter", "fog", "subset", "tables", "figures"])
 def test_steps_without_a_network_do_not_import_torch(word: str) -> None:
-    assert "torch" not in closure.libraries(word)
+    assert "torch" not in source_digest.libraries(word)
 
 
 def test_imports_run_downwards_only() -> None:

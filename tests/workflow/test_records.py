@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 import yaml
 
-from foggy_synscapes.io.runs import read_runs
 from foggy_synscapes.params import Params
-from foggy_synscapes.recorded import leaves, select
+from foggy_synscapes.provenance.recorded import leaves, select
+from foggy_synscapes.provenance.runs import read_runs
 
 pytestmark = pytest.mark.xdist_group("chain")
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from engines import clone, hashes, run
 
-from foggy_synscapes.datasets.labels import from_train_ids
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.io.images import encode_png, read_ids
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.labels import from_train_ids
 
 pytestmark = pytest.mark.xdist_group("chain")
 TABLES = [

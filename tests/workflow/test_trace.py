@@ -13,7 +13,7 @@ from engines import run
 from rocrate.rocrate import ROCrate
 
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.recorded import leaves
+from foggy_synscapes.provenance.recorded import leaves
 
 pytestmark = pytest.mark.xdist_group("chain")
 TABLE = "results/tables/foggy_zurich.tex"

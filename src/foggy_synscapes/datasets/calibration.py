@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from foggy_synscapes.datasets.listed import Composite
+from foggy_synscapes.datasets.pairs import Composite
 from foggy_synscapes.datasets.uris import RECIPE, Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_rgb

@@ -12,8 +12,8 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.names import check_name
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import read_csv, write_csv
-from foggy_synscapes.progress import progress
 
 COLUMNS = ("path", "size", "sha256")
 FOLDER = Path("results/scenes/index")

@@ -10,7 +10,7 @@ import numpy as np
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_ids
-from foggy_synscapes.progress import progress
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.scoring.pairing import is_other_map, named_encoding, pair
 from foggy_synscapes.scoring.tally import Tally
 

@@ -69,7 +69,7 @@ def dark_channel(image: np.ndarray) -> np.ndarray:
     >>> dark_channel(image)[0].tolist()
     [9, 9, 9, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 9, 9]
     """
-    from foggy_synscapes.fog import haze
+    from foggy_synscapes.fog import dark_channel as haze
 
     dark = np.empty(image.shape[:2], np.uint8)
     haze.dark_channel(np.ascontiguousarray(image), WINDOW // 2, dark)
@@ -112,7 +112,7 @@ def candidates(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     >>> rows.tolist(), columns.tolist()
     ([10], [11])
     """
-    from foggy_synscapes.fog import haze
+    from foggy_synscapes.fog import dark_channel as haze
 
     wanted = image.shape[0] * image.shape[1] // SHARE
     rows, columns = np.empty((2, wanted + (wanted + 1) % 2), np.int64)

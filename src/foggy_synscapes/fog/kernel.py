@@ -31,7 +31,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from foggy_synscapes.compiled import compiled, fused
+from foggy_synscapes.jit import jit, jit_contracted
 
 # Constants of the width that keeps loops narrow.
 F, U = np.float32, np.uint32
@@ -71,7 +71,7 @@ ALL = ir.Constant(ir.VectorType(WORD, 64), list(range(64)))
 MIXED = ir.Constant(ir.VectorType(WORD, 96), [32 * channel + pixel for pixel in range(32) for channel in range(3)])
 
 
-@compiled
+@jit
 def _split(pixels, y, planes):
     """A row of pixels, uint8 (H, 3 W), as planes of colour, uint8 (3, W)."""
     for x in range(pixels.shape[1] // 3):
@@ -80,7 +80,7 @@ def _split(pixels, y, planes):
         planes[2, x] = pixels[y, 3 * x + 2]
 
 
-@compiled
+@jit
 def _mix(planes, out):
     """Planes of colour, uint8 (3, W), as pixels, uint8 (3 W,)."""
     for x in range(out.size // 3):
@@ -89,20 +89,20 @@ def _mix(planes, out):
         out[3 * x + 2] = planes[2, x]
 
 
-@compiled
+@jit
 def _fill(colour, first, last, planes):
     for c in range(3):
         for x in range(first, last):
             planes[c, x] = colour[c]
 
 
-@compiled
+@jit
 def _distances(depth, y, row, columns, out):
     for x in range(columns.size):
         out[x] = depth[y, x] * math.sqrt(row + columns[x])
 
 
-@compiled
+@jit
 def _nearest(ranks, out):
     """Smallest distance of each group of pixels; `ranks`, `out`: as int32, in which floats from 0 keep their order."""
     for group in range(out.size):
@@ -113,7 +113,7 @@ def _nearest(ranks, out):
         out[group] = nearest
 
 
-@compiled
+@jit
 def _span(exponent, nearest, group):
     """Whether a group is hidden by fog, and the first group after it that is not alike."""
     hidden = exponent * nearest[group] <= HIDDEN
@@ -123,7 +123,7 @@ def _span(exponent, nearest, group):
     return hidden, end
 
 
-@fused
+@jit_contracted
 def _transmittances(distance, exponent, first, last, t):
     """exp2(exponent * distance); NaN (infinity times 0) gives 0."""
     for x in range(first, last):
@@ -137,7 +137,7 @@ def _transmittances(distance, exponent, first, last, t):
         t[x] = np.int32(bits).view(np.float32)
 
 
-@compiled
+@jit
 def _square(t, first, last):
     for x in range(first, last):
         t[x] = t[x] * t[x]
@@ -295,7 +295,7 @@ def _spread(builder: ir.IRBuilder, value: ir.Value, kind: ir.VectorType) -> ir.V
     return builder.shuffle_vector(single, single, _all(ir.VectorType(WORD, kind.count), 0))
 
 
-@compiled
+@jit
 def _differences(pixels, y, light, out):
     """A row of pixels, uint8 (H, 3 W), minus the airlight, as planes of colour, float32 (3, W)."""
     colour = light[0], light[1], light[2]
@@ -308,7 +308,7 @@ def _differences(pixels, y, light, out):
             out[c, x] = F(pixels[y, 3 * x + c]) - colour[c]
 
 
-@compiled
+@jit
 def _mix_filtered(planes, out):
     """Planes of colour, uint8 (3, W), as a PNG's scan line with the filter Sub, uint8 (1 + 3 W,)."""
     out[0], out[1], out[2], out[3] = SUB_FILTER, planes[0, 0], planes[1, 0], planes[2, 0]
@@ -326,7 +326,7 @@ def _mix_filtered(planes, out):
         _subtract_block(place + x, wide, line + 3 * x)
 
 
-@compiled
+@jit
 def _composite(places, base, near, first, last, found):
     """Composite blocks; those that have samples near a step go to `found`. Returns their number."""
     t, differences, levels, wide = places
@@ -337,13 +337,13 @@ def _composite(places, base, near, first, last, found):
     return count
 
 
-@compiled
+@jit
 def _close(places, base, near, x):
     t, differences, levels, wide = places
     return _close_pixels(t + 4 * x, differences + 4 * x, levels + x, wide, base, near)
 
 
-@compiled
+@jit
 def _exact(image, depth, y, x, row, column, scale, beta, airlight, levels):
     """Composite one pixel in float64, as published."""
     t = math.exp(-beta * (depth[y, x] * math.sqrt((row + column) / scale)))
@@ -352,7 +352,7 @@ def _exact(image, depth, y, x, row, column, scale, beta, airlight, levels):
         levels[c, x] = np.uint8(math.floor(255.0 * radiance + 0.5))
 
 
-@compiled
+@jit
 def render(image, depth, rows, out, filtered, row, geometry, fog, lights, found):
     (columns, scale, columns32), (airlight, light) = geometry, lights
     order, betas, plain, exponents, squares, bases, nears = fog

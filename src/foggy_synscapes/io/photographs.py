@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.compiled import compiled
 from foggy_synscapes.io.images import RGB, assemble_png
+from foggy_synscapes.jit import jit
 
 SUB_FILTER = 1
 STEP = 32
@@ -114,7 +114,7 @@ def _files(shape: tuple[int, int, int], *memory: Any) -> Iterator[bytes]:
         yield assemble_png(width, height, 8, RGB, b"".join(parts))
 
 
-@compiled
+@jit
 def code_lengths(counts):
     """Lengths in bits of Huffman codes for symbols that occur so often: int64 (n,), at most LONGEST.
 
@@ -134,14 +134,14 @@ def code_lengths(counts):
     return lengths
 
 
-@compiled
+@jit
 def _append_all(pixels, size, coding, sample, lines, tables, state, out):
     for row in range(0, size[0], STEP):
         _filter(pixels[row : row + STEP], lines[0])
         _append(row, size, coding, sample, lines, tables, state, out)
 
 
-@compiled
+@jit
 def _append(row, size, coding, sample, lines, tables, state, out):
     """Append the scan lines from a row on, at most STEP, to each image."""
     height, stride, block = size
@@ -159,7 +159,7 @@ def _append(row, size, coding, sample, lines, tables, state, out):
             _end(tables[0][b], state[b], out[b])
 
 
-@compiled
+@jit
 def _begin(last, sample, coding, table, matches, state, out):
     """Begin a block with codes of its own, made for the symbols of a sample."""
     order, symbols, extra_bits, extra = coding
@@ -178,14 +178,14 @@ def _begin(last, sample, coding, table, matches, state, out):
     _write_head(last, lengths, order, state, out)
 
 
-@compiled
+@jit
 def _end(table, state, out):
     bits, number, words = _load(state)
     bits, number, words = _put(table[END], bits, number, words, out)
     _store(bits, number, words, state)
 
 
-@compiled
+@jit
 def adler32(data, before):
     """Adler-32 of bytes, uint8 (n,), going on from that of those before them, at first 1 (RFC 1950, section 8.2)."""
     low, high = before & 0xFFFF, before >> 16
@@ -201,7 +201,7 @@ def adler32(data, before):
     return high << 16 | low
 
 
-@compiled
+@jit
 def _filter(pixels, lines):
     """Rows of pixels, uint8 (H, 3 W), as scan lines with the filter Sub, one after the other."""
     stride = 1 + pixels.shape[1]
@@ -215,7 +215,7 @@ def _filter(pixels, lines):
             difference[x] = right[x] - left[x]
 
 
-@compiled
+@jit
 def _count(sample, counts):
     """Count the symbols of scan lines as they will be written: long runs of zeros as matches."""
     # Four tables: neighbouring bytes are often equal, and an increment would wait for the one before it.
@@ -238,7 +238,7 @@ def _count(sample, counts):
     counts[LONGEST_SYMBOL] += (zeros - short) // LONGEST_MATCH
 
 
-@compiled
+@jit
 def _depths(counts, parents, weights):
     """Depths of the leaves of a Huffman tree over ascending counts, into `weights`; built from two queues."""
     leaves = counts.size
@@ -263,7 +263,7 @@ def _depths(counts, parents, weights):
         weights[i] = weights[parents[i]] + 1
 
 
-@compiled
+@jit
 def _assign(lengths, codes):
     """Canonical codes (RFC 1951, section 3.2.2), their bits reversed as they are written."""
     number, following = np.zeros(LONGEST + 1, np.int64), np.zeros(LONGEST + 1, np.int64)
@@ -281,7 +281,7 @@ def _assign(lengths, codes):
         codes[symbol] = np.uint64(turned)
 
 
-@compiled
+@jit
 def _put(entry, bits, number, words, out):
     """Append one table entry; bits, their number and the words written come back changed."""
     bits |= (entry >> LENGTH_BITS) << number
@@ -291,22 +291,22 @@ def _put(entry, bits, number, words, out):
     return bits >> (full << WORD), number & LENGTH_MASK, words + np.int64(full)
 
 
-@compiled
+@jit
 def _load(state):
     return np.uint64(state[0]), np.uint64(state[1]), state[2]
 
 
-@compiled
+@jit
 def _store(bits, number, words, state):
     state[0], state[1], state[2] = np.int64(bits), np.int64(number), words
 
 
-@compiled
+@jit
 def _plain(value, size):
     return np.uint64(value) << LENGTH_BITS | np.uint64(size)
 
 
-@compiled
+@jit
 def _write_head(last, lengths, order, state, out):
     """Head of a block with codes of its own (RFC 1951, section 3.2.7)."""
     bits, number, words = _load(state)
@@ -321,7 +321,7 @@ def _write_head(last, lengths, order, state, out):
     _store(bits, number, words, state)
 
 
-@compiled
+@jit
 def _write_words(data, table, matches, state, out):
     """Eight bytes at a time; words that are 0 become matches."""
     bits, number, words = _load(state)
@@ -350,7 +350,7 @@ def _write_words(data, table, matches, state, out):
     _store(bits, number, words, state)
 
 
-@compiled
+@jit
 def _write_zeros(count, table, matches, bits, number, words, out):
     """One 0, and copies of it; `count` is at least 8."""
     bits, number, words = _put(table[0], bits, number, words, out)
@@ -364,7 +364,7 @@ def _write_zeros(count, table, matches, bits, number, words, out):
     return bits, number, words
 
 
-@compiled
+@jit
 def _write_bytes(data, table, state, out):
     """The bytes that fill no word."""
     bits, number, words = _load(state)

@@ -83,9 +83,9 @@ class RefineNet(Network):
         )
         self.dropout = nn.Dropout(0.5)
         self.head = convolution(config.decoder, config.classes, bias=True)
-        self._calm()
+        self._scale_down_branches()
 
-    def _calm(self) -> None:
+    def _scale_down_branches(self) -> None:
         """Start every residual branch and the head ten times smaller.
 
         Without batch norm the branches of the decoder add up, and training from random weights diverges at rates at

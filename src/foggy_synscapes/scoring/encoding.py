@@ -9,7 +9,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from foggy_synscapes.datasets.labels import CLASSES, IGNORE, LABEL_IDS, VOID_IDS, encoding
+from foggy_synscapes.labels import CLASSES, IGNORE, LABEL_IDS, VOID_IDS, encoding
 from foggy_synscapes.scoring.confusion import IDS, UNKNOWN, VOID, index_table
 
 ENCODINGS = ("trainIds", "labelIds")

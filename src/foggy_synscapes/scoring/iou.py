@@ -11,19 +11,19 @@ from operator import add
 import numpy as np
 
 
-def hits(matrix: np.ndarray) -> np.ndarray:
+def true_positives(matrix: np.ndarray) -> np.ndarray:
     """True positives: pixels of each class that are predicted as it, int64 (C,)."""
     return np.diagonal(matrix).copy()
 
 
-def false_alarms(matrix: np.ndarray) -> np.ndarray:
+def false_positives(matrix: np.ndarray) -> np.ndarray:
     """False positives: pixels of other classes that are predicted as each class, int64 (C,)."""
-    return matrix[:, :-1].sum(axis=0) - hits(matrix)
+    return matrix[:, :-1].sum(axis=0) - true_positives(matrix)
 
 
-def misses(matrix: np.ndarray) -> np.ndarray:
+def false_negatives(matrix: np.ndarray) -> np.ndarray:
     """False negatives: pixels of each class that are predicted as anything else, void too, int64 (C,)."""
-    return matrix.sum(axis=1) - hits(matrix)
+    return matrix.sum(axis=1) - true_positives(matrix)
 
 
 def annotated(matrix: np.ndarray) -> np.ndarray:
@@ -50,7 +50,7 @@ def iou_as_cityscapes(matrix: np.ndarray) -> np.ndarray:
 
     NaN only where a class is neither labelled nor predicted.
     """
-    return _ratio(hits(matrix), matrix.sum(axis=1) + false_alarms(matrix))
+    return _ratio(true_positives(matrix), matrix.sum(axis=1) + false_positives(matrix))
 
 
 def mean_annotated(scores: Sequence[float]) -> float:
@@ -79,7 +79,7 @@ def mean_as_published(scores: Sequence[float]) -> float:
 
 def pixel_accuracy(matrix: np.ndarray) -> float:
     """Share of the labelled pixels that are predicted rightly; NaN if none is labelled."""
-    return float(_ratio(hits(matrix).sum(), matrix.sum()))
+    return float(_ratio(true_positives(matrix).sum(), matrix.sum()))
 
 
 def frequency_weighted_iou(matrix: np.ndarray) -> float:

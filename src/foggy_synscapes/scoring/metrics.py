@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.datasets.labels import CATEGORIES, CLASSES
+from foggy_synscapes.labels import CATEGORIES, CLASSES
 from foggy_synscapes.scoring import iou
 
 
@@ -40,7 +40,7 @@ def summarize(matrix: np.ndarray, images: int) -> dict[str, Any]:
     index = {name: number for number, name in enumerate(CLASSES)}
     groups = {name: [index[member] for member in members] for name, members in CATEGORIES.items()}
     categories = iou.category_iou(matrix, groups)
-    counts = zip(iou.hits(matrix), iou.false_alarms(matrix), iou.misses(matrix), strict=True)
+    counts = zip(iou.true_positives(matrix), iou.false_positives(matrix), iou.false_negatives(matrix), strict=True)
     return {
         "classes": [
             {"name": name, "iou": _percent(score), "tp": int(tp), "fp": int(fp), "fn": int(fn)}

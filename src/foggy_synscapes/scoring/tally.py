@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.datasets.labels import CLASSES
+from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring.confusion import IDS, JointHistogram, fold
 from foggy_synscapes.scoring.encoding import class_table, contradiction, detect, unknown_ids
 

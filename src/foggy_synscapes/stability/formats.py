@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foggy_synscapes.fog.variants import to_bfloat16
+from foggy_synscapes.tradeoff.fog_variants import to_bfloat16
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.lineage.check import differences, made_otherwise
 from foggy_synscapes.params import load
+from foggy_synscapes.provenance.check import differences, stale_results
 
 HELP = (
     "Let the other engine take over what one engine made, so that it makes nothing again. Refused where the first one "
@@ -59,10 +59,10 @@ def adopt(engine: str, params: Path = DEFAULT) -> None:
 
 def _from_snakemake(option: list[str]) -> None:
     # Where Snakemake has no record of a job, as of those that DVC ran, it cannot tell a change of params.
-    strange = made_otherwise(load(DEFAULT))
-    if strange:
+    stale = stale_results(load(DEFAULT))
+    if stale:
         raise FoggyError(
-            f"{strange[0]}: made with other params than those of {DEFAULT} ({len(strange)} such files). Run "
+            f"{stale[0]}: made with other params than those of {DEFAULT} ({len(stale)} such files). Run "
             f"dvc repro where DVC made it; else delete it and what follows, then snakemake --cores 2{_spelt(option)}."
         )
     waiting = _snakemake_waits(option)

@@ -7,18 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.datasets.index import expect, index_path, read_index
-from foggy_synscapes.datasets.labels import CLASSES
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.datasets.test_sets import TEST_SETS, labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
-from foggy_synscapes.io.runs import checked_inputs, write_run
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_shard
+from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.progress import progress
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
 from foggy_synscapes.scoring.encoding import ENCODINGS
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally

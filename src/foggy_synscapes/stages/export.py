@@ -9,13 +9,13 @@ import numpy as np
 from foggy_synscapes.datasets.calibration import DATASETS, calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.fogging.recipes import composite
+from foggy_synscapes.frames.recipes import composite
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.params import load, root
 
 if TYPE_CHECKING:
-    from foggy_synscapes.inference.compare import Difference
     from foggy_synscapes.networks.weights import Model
+    from foggy_synscapes.tradeoff.compare import Difference
 
 HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
@@ -100,9 +100,9 @@ def export(
         If the file is missing, damaged or no whole model; if a package is missing; if the logits of a float32 graph
         differ from PyTorch's by more than `TOLERANCE`.
     """
-    from foggy_synscapes.inference import onnx_export
-    from foggy_synscapes.inference.quantize import to_int8
     from foggy_synscapes.networks.weights import load_model
+    from foggy_synscapes.tradeoff import onnx_export
+    from foggy_synscapes.tradeoff.quantize import to_int8
 
     try:
         model = load_model(source.read_bytes())
@@ -138,9 +138,9 @@ def export(
 def _compare(model: "Model", scale: float, graph: bytes, images: list[np.ndarray]) -> "Difference":
     import torch
 
-    from foggy_synscapes.inference.compare import Difference
-    from foggy_synscapes.inference.graph import Graph
-    from foggy_synscapes.inference.session import Session
+    from foggy_synscapes.tradeoff.compare import Difference
+    from foggy_synscapes.tradeoff.graph import Graph
+    from foggy_synscapes.tradeoff.session import Session
 
     session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval()
     difference = Difference()

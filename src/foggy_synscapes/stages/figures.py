@@ -11,7 +11,6 @@ import numpy as np
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import foggy_cityscapes, synscapes
 from foggy_synscapes.datasets.index import expect, index_path, read_index
-from foggy_synscapes.datasets.labels import CLASSES, IGNORE, to_train_ids
 from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.errors import FoggyError
@@ -20,12 +19,13 @@ from foggy_synscapes.fog.optics import meteorological_optical_range
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_depth, read_ids, read_rgb
-from foggy_synscapes.io.runs import checked_inputs, write_run
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.labels import CLASSES, IGNORE, to_train_ids
 from foggy_synscapes.params import STAND_IN, Params, load, root
-from foggy_synscapes.progress import progress
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.iou import iou, mean_annotated
 
@@ -75,7 +75,7 @@ def figures(params: Params, name: str) -> None:
     FoggyError
         If what it shows is missing, damaged or not as listed.
     """
-    from foggy_synscapes.plotting.style import render
+    from foggy_synscapes.figures.style import render
 
     inputs: dict[str, str] = {}
     draw: dict[str, Callable[[Params, dict[str, str]], Figure]] = {
@@ -138,7 +138,7 @@ def _frames(params: Params, count: int, inputs: dict[str, str]) -> list[Frame]:
 
 def _beta_strip(params: Params, inputs: dict[str, str]) -> "Figure":
     """Two frames in clear weather and at each beta, as in the paper's figure 3."""
-    from foggy_synscapes.plotting.panels import grid
+    from foggy_synscapes.figures.panels import grid
 
     betas = params.figures.betas
     sights = [f"β = {beta} / m, sight {meteorological_optical_range(float(beta)):.0f} m" for beta in betas]
@@ -151,7 +151,7 @@ def _beta_strip(params: Params, inputs: dict[str, str]) -> "Figure":
 
 def _fc_against_fs(params: Params, inputs: dict[str, str]) -> "Figure":
     """Foggy Synscapes above Foggy Cityscapes at the same beta, as in the paper's figure 4."""
-    from foggy_synscapes.plotting.panels import grid
+    from foggy_synscapes.figures.panels import grid
 
     beta, count = params.figures.comparison_beta, params.figures.images
     purely = [frame.foggy([beta], params.fog.geometry)[0] for frame in _frames(params, count, inputs)]
@@ -169,7 +169,7 @@ def _fc_against_fs(params: Params, inputs: dict[str, str]) -> "Figure":
 
 def _sky_contrast(params: Params, inputs: dict[str, str]) -> "Figure":
     """Distribution of the scene key by which the paper would filter (section IV.B), and the filter's cut."""
-    from foggy_synscapes.plotting.histogram import cut_histogram
+    from foggy_synscapes.figures.histogram import cut_histogram
 
     inputs.update(checked_inputs([FRAMES]))
     frames = read_csv(FRAMES, (SKY_CONTRAST, "kept"))
@@ -188,7 +188,7 @@ def _sky_contrast(params: Params, inputs: dict[str, str]) -> "Figure":
 
 def _curves(params: Params, inputs: dict[str, str]) -> "Figure":
     """Training and validation loss of each row, of the first seed."""
-    from foggy_synscapes.plotting.curves import curves
+    from foggy_synscapes.figures.curves import curves
 
     seed = params.train.seeds[0]
     panels: dict[str, dict] = {}
@@ -215,7 +215,7 @@ def _rows(params: Params) -> list[str]:
 
 def _predictions(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Test images, their ground truth and the predictions of each row, with the mean IoU of each single image."""
-    from foggy_synscapes.plotting.panels import colour, grid
+    from foggy_synscapes.figures.panels import colour, grid
 
     inputs.update(checked_inputs([index_path(f"{test_set}/all")]))
     index, folder = read_index(f"{test_set}/all"), root(params, test_set)
@@ -253,7 +253,7 @@ def _predictions(params: Params, inputs: dict[str, str], test_set: str) -> "Figu
 
 def _class_change(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Change of each class's IoU against the baseline C, of the first seed."""
-    from foggy_synscapes.plotting.scores import class_change
+    from foggy_synscapes.figures.scores import class_change
 
     panels, annotated = {}, 0
     for network, runs in _scores(params, inputs, test_set).items():
@@ -273,7 +273,7 @@ def _class_change(params: Params, inputs: dict[str, str], test_set: str) -> "Fig
 
 def _confusion(params: Params, inputs: dict[str, str], test_set: str) -> "Figure":
     """Confusion matrix of each network's best row, of the first seed."""
-    from foggy_synscapes.plotting.scores import confusion
+    from foggy_synscapes.figures.scores import confusion
 
     panels = {}
     for network, runs in _scores(params, inputs, test_set).items():

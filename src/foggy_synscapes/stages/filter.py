@@ -7,11 +7,11 @@ from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import index_path, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import checked
-from foggy_synscapes.io.runs import checked_inputs, write_run
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import FilterRule, Params, load, root
-from foggy_synscapes.progress import progress
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
 
 HELP = "Keep frames by their metadata: one table of all frames, and the list of those kept."
 FOLDER = Path("results/filter")

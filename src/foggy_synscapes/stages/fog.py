@@ -7,22 +7,23 @@ import time
 from contextlib import closing
 from pathlib import Path
 
-from foggy_synscapes import __version__, closure
+from foggy_synscapes import __version__
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.fogging import alone, pipeline
-from foggy_synscapes.fogging.frames import Frame, of_folders, of_synscapes, order
+from foggy_synscapes.frames import folders, shards
+from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers, write_text
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import beta_name, load
-from foggy_synscapes.progress import progress
+from foggy_synscapes.provenance import source_digest
 
 HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
 SETTINGS = "settings.json"
 COLUMNS = ("id", "red", "green", "blue", "row", "column")
-SHOWN = 10  # errors and doubts printed in full
+SHOWN = 10  # errors and warnings printed in full
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -99,11 +100,11 @@ def run(args: argparse.Namespace) -> None:
     else:
         raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight
-    fog(frames, alone.Job(args.out, betas, *options), args.camera, jobs=args.jobs, keep_going=args.keep_going)
+    fog(frames, folders.Job(args.out, betas, *options), args.camera, jobs=args.jobs, keep_going=args.keep_going)
 
 
 def fog(
-    frames: list[Frame], job: alone.Job, camera: Path | None = None, jobs: int = 1, keep_going: bool = False
+    frames: list[Frame], job: folders.Job, camera: Path | None = None, jobs: int = 1, keep_going: bool = False
 ) -> None:
     """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
 
@@ -124,11 +125,11 @@ def fog(
         _check_settings(job, frames, camera)
         rows = _read_airlight(table)
     known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
-    found: dict[str, alone.Light] = {}
-    started, total = time.perf_counter(), alone.Done("")
+    found: dict[str, folders.Light] = {}
+    started, total = time.perf_counter(), folders.Done("")
     broken: dict[str, str] = {}
     blue: list[str] = []
-    with closing(alone.fog_frames(frames, job, jobs, known)) as results:
+    with closing(folders.fog_frames(frames, job, jobs, known)) as results:
         for done in progress(results, "fog", total=len(frames), unit="frame"):
             if done.error:
                 broken[done.id] = done.error
@@ -141,8 +142,8 @@ def fog(
     with lock.of_folder(job.out):
         rows = {**_read_airlight(table), **found}
         write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted({*rows} - {*broken}, key=order)])
-    for doubt in _shortened(total.doubts):
-        print(f"warning: {doubt}", file=sys.stderr)
+    for warning in _shortened(total.warnings):
+        print(f"warning: {warning}", file=sys.stderr)
     if blue:
         answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
         print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
@@ -167,9 +168,9 @@ def _run_job(args: argparse.Namespace) -> None:
     if args.shard not in params.scenes.shards:
         raise UsageError(f"--shard {args.shard}: not in scenes.shards, which has {', '.join(params.scenes.shards)}")
     if args.airlight:
-        pipeline.airlight(params, args.shard)
+        shards.airlight(params, args.shard)
     elif betas[0] in params.fog.betas:
-        pipeline.fog(params, betas[0], args.shard)
+        shards.fog(params, betas[0], args.shard)
     else:
         raise UsageError(f"--beta {betas[0]}: not in fog.betas, which has {', '.join(params.fog.betas)}")
 
@@ -202,9 +203,9 @@ def _camera(frames: list[Frame], camera: Path | None) -> str:
     return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"
 
 
-def _check_settings(job: alone.Job, frames: list[Frame], camera: Path | None) -> None:
+def _check_settings(job: folders.Job, frames: list[Frame], camera: Path | None) -> None:
     """Keep one folder from holding images of different frames, settings or versions of the code."""
-    code = "".join(sha256(closure.FOLDER / name) for name in closure.sources("fog"))
+    code = "".join(sha256(source_digest.FOLDER / name) for name in source_digest.sources("fog"))
     settings = {
         "frames": _origin(frames),
         "camera": _camera(frames, camera),
@@ -236,7 +237,7 @@ def _check_settings(job: alone.Job, frames: list[Frame], camera: Path | None) ->
         )
 
 
-def _read_airlight(table: Path) -> dict[str, alone.Light]:
+def _read_airlight(table: Path) -> dict[str, folders.Light]:
     if not table.is_file():
         return {}
     rows = read_csv(table, COLUMNS)
@@ -247,7 +248,7 @@ def _read_airlight(table: Path) -> dict[str, alone.Light]:
 
 
 def _older(path: Path, table: Path) -> bool:
-    return path.is_file() and alone.changed(path) <= table.stat().st_mtime_ns
+    return path.is_file() and folders.changed(path) <= table.stat().st_mtime_ns
 
 
 def _shortened(lines: list[str]) -> list[str]:

@@ -7,16 +7,17 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from foggy_synscapes import closure
-from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, stand_in, synscapes
+from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, synscapes
 from foggy_synscapes.datasets.index import CACHE, FOLDER, index_path, write_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.runs import versions, write_run
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.params import STAND_IN, Params, load, root
-from foggy_synscapes.progress import progress
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import versions, write_run
+from foggy_synscapes.standin import layouts as stand_in
 
 HELP = "Render the stand-in of a dataset where its root says so, and list what the dataset holds."
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich")
@@ -146,7 +147,7 @@ def _files(frame: stand_in.Frame) -> stand_in.Files:
 
 def _fingerprint(params: Params, dataset: str) -> str:
     """Changes with anything that can change a pixel: params, sources, library versions."""
-    sources = {name: sha256(closure.FOLDER / name) for name in closure.sources("scenes")}
+    sources = {name: sha256(source_digest.FOLDER / name) for name in source_digest.sources("scenes")}
     drawn = recorded(params, *(key for key in params.scenes.deciding(dataset) if key.startswith("scenes.stand_in.")))
     document = [drawn, sources, versions("scenes")]
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()

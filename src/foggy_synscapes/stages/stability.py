@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from foggy_synscapes.io.atomic import write_bytes, write_text
-from foggy_synscapes.io.runs import write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import write_run
 from foggy_synscapes.stability import fog_checks, other_checks
 from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
 
@@ -26,9 +26,9 @@ def run(args: argparse.Namespace) -> None:
 
 def stability(params: Params) -> list[Check]:
     """Write the table (CSV, LaTeX) and the plot (PNG, PDF) to results/stability, and return the checks."""
-    from foggy_synscapes.plotting.errors import errors
-    from foggy_synscapes.plotting.style import render
-    from foggy_synscapes.tabling.long import long_table
+    from foggy_synscapes.figures.errors import errors
+    from foggy_synscapes.figures.style import render
+    from foggy_synscapes.tables.long import long_table
 
     digits = params.stability.digits
     checks = [*fog_checks.checks(digits), *other_checks.checks()]

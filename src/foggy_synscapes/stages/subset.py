@@ -8,11 +8,11 @@ from pathlib import Path
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, synscapes, uris
 from foggy_synscapes.datasets.index import expect, index_path, read_index
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.shards import read_manifest
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import ClearList, FoggyList, MixedList, Params, load, root
-from foggy_synscapes.recorded import recorded
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
 
 HELP = "List the images and labels that a row of the tables trains on and is validated with."
 FOLDER = Path("results/subset")

@@ -8,16 +8,16 @@ from typing import Any
 from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
-from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.published import TEST_SETS as PUBLISHED
-from foggy_synscapes.published import load as load_published
-from foggy_synscapes.recorded import recorded
-from foggy_synscapes.tabling import html, latex, markdown
-from foggy_synscapes.tabling.ours import TITLES, grids, long_columns, means
-from foggy_synscapes.tabling.paper import published_columns, published_grid
-from foggy_synscapes.tabling.results import RowLabel, annotated_classes, collect
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
+from foggy_synscapes.tables import html, latex, markdown
+from foggy_synscapes.tables.ours import TITLES, grids, long_columns, means
+from foggy_synscapes.tables.paper import published_columns, published_grid
+from foggy_synscapes.tables.published import TEST_SETS as PUBLISHED
+from foggy_synscapes.tables.published import load as load_published
+from foggy_synscapes.tables.results import RowLabel, annotated_classes, collect
 
 HELP = "Make the tables of mean IoU (percent): CSV, LaTeX, Markdown and HTML."
 FOLDER = Path("results/tables")

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from foggy_synscapes.datasets.test_sets import TEST_SETS
 from foggy_synscapes.errors import UsageError
-from foggy_synscapes.lineage.cell import trace_cell
-from foggy_synscapes.lineage.crate import write_crate
-from foggy_synscapes.lineage.tree import Lineage
-from foggy_synscapes.lineage.words import cell_lines, lines
 from foggy_synscapes.params import load, root
+from foggy_synscapes.provenance.cell import trace_cell
+from foggy_synscapes.provenance.crate import write_crate
+from foggy_synscapes.provenance.text import cell_lines, lines
+from foggy_synscapes.provenance.tree import Lineage
 
 HELP = "Show, as a tree, the commands and files that a result was made from, and what on disk no longer matches."
 DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich")

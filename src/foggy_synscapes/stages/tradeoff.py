@@ -8,26 +8,26 @@ from typing import TYPE_CHECKING
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.calibration import DATASETS, calibration_images
 from foggy_synscapes.datasets.index import expect, index_path, read_index
-from foggy_synscapes.datasets.listed import Listed
+from foggy_synscapes.datasets.pairs import PairDataset
 from foggy_synscapes.datasets.scores import read_scores, scores_path
 from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.fogging.pipeline import KEPT, read_frame
-from foggy_synscapes.fogging.recipes import composite
+from foggy_synscapes.frames.recipes import composite
+from foggy_synscapes.frames.shards import KEPT, read_frame
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_ids, read_rgb
-from foggy_synscapes.io.runs import checked_inputs, write_run
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.recorded import recorded
-from foggy_synscapes.weighing import fog
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, write_run
+from foggy_synscapes.tradeoff import fog
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.weighing.networks import Sample, Score
-    from foggy_synscapes.weighing.training import Cost
+    from foggy_synscapes.tradeoff.networks import Sample, Score
+    from foggy_synscapes.tradeoff.training import Cost
 
 HELP = "Measure ways of computing fog and networks: CPU time against what changes. Its times differ run by run."
 FOLDER = Path("results/tradeoff")
@@ -58,9 +58,9 @@ def tradeoff(params: Params, part: str) -> None:
 
 
 def _fog(params: Params) -> None:
-    from foggy_synscapes.plotting.pareto import pareto
-    from foggy_synscapes.plotting.style import render
-    from foggy_synscapes.tabling.long import long_table
+    from foggy_synscapes.figures.pareto import pareto
+    from foggy_synscapes.figures.style import render
+    from foggy_synscapes.tables.long import long_table
 
     inputs: dict[str, str] = {}
     frames = _frames(params, inputs)
@@ -85,10 +85,11 @@ def _fog(params: Params) -> None:
 
 
 def _networks(params: Params) -> None:
-    from foggy_synscapes.plotting.front import front
-    from foggy_synscapes.plotting.style import render
-    from foggy_synscapes.tabling.long import long_table, pipe_table
-    from foggy_synscapes.weighing import networks, training, words
+    from foggy_synscapes.figures.front import front
+    from foggy_synscapes.figures.style import render
+    from foggy_synscapes.tables.long import long_table, pipe_table
+    from foggy_synscapes.tradeoff import networks, training
+    from foggy_synscapes.tradeoff import text as words
 
     settings, seed = params.tradeoff, params.train.seeds[0]
     models = {name: Path(MODEL.format(network=name, row=settings.row, seed=seed)) for name in params.train.networks}
@@ -182,9 +183,9 @@ def _model(path: Path) -> "Model":
 
 def _costs(params: Params, models: dict[str, Path], reader: Reader, inputs: dict[str, str]) -> list["Cost"]:
     """What fine-tuning each network on each list of purely synthetic images costs, and what it scores."""
+    from foggy_synscapes.tradeoff.training import Cost, seconds_per_step
     from foggy_synscapes.training.forward import Arithmetic
     from foggy_synscapes.training.policy import Policy
-    from foggy_synscapes.weighing.training import Cost, seconds_per_step
 
     settings, train = params.tradeoff, params.train
     arithmetic = Arithmetic("cpu", train.precision, train.memory_format)
@@ -193,7 +194,7 @@ def _costs(params: Params, models: dict[str, Path], reader: Reader, inputs: dict
         chosen = getattr(train, name).fine_tuning
         policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
         for row in params.subset.pure:
-            samples = Listed(Path(LIST.format(row=row)), reader, train.cache * 2**20, composite)
+            samples = PairDataset(Path(LIST.format(row=row)), reader, train.cache * 2**20, composite)
             seconds = seconds_per_step(_model(path), policy, arithmetic, samples, settings.steps)
             scores = scores_path(settings.test_set, name, row, train.seeds[0])
             found = read_scores(scores)

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from foggy_synscapes import closure
-from foggy_synscapes.datasets.labels import CLASSES
-from foggy_synscapes.datasets.listed import Listed
+from foggy_synscapes.datasets.pairs import PairDataset
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.live import Live
-from foggy_synscapes.io.runs import checked_inputs, versions, write_run
 from foggy_synscapes.io.tables import write_csv
+from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.recorded import recorded
-from foggy_synscapes.training_params import Duration, NetworkSettings
+from foggy_synscapes.params.training import Duration, NetworkSettings
+from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.provenance.runs import checked_inputs, versions, write_run
+from foggy_synscapes.training.live import Live
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,9 +106,9 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     model = _start(settings, network, start, int(seed))
     inputs = checked_inputs([*lists.values(), *([start] if start != NO_WEIGHTS else [])])
     reader, budget = Reader({name: root(params, name) for name in DATASETS}), params.train.cache * 2**20
-    training = Listed(lists["train"], reader, budget, _composite)
+    training = PairDataset(lists["train"], reader, budget, _composite)
     # Only the first process validates.
-    validation = Listed(lists["validation"], reader, budget - training.held, _composite) if ranks.first else None
+    validation = PairDataset(lists["validation"], reader, budget - training.held, _composite) if ranks.first else None
     snapshot = folder / "snapshot.safetensors"
     earlier = snapshot.read_bytes() if snapshot.exists() else None
     if earlier and ranks.first:
@@ -121,7 +121,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
         record = _record(params, network, row)
         # Code and libraries too: weights must not come half from one version of the loss and half from another.
         identity = {
-            "code": {name: sha256(closure.FOLDER / name) for name in closure.sources("train")},
+            "code": {name: sha256(source_digest.FOLDER / name) for name in source_digest.sources("train")},
             "versions": versions("train"),
             "params": record,
             "seed": seed,
@@ -188,7 +188,7 @@ def _arithmetic(
     params: Params,
     model: "Model",
     policy: "Policy",
-    training: Listed,
+    training: PairDataset,
     network: str,
     row: str,
     seed: int,
@@ -264,8 +264,8 @@ def _finish(
 
 
 def _composite(recipe: bytes, read: Callable[[str, str], bytes], name: str) -> "np.ndarray":
-    """The foggy image of a recipe; the code of fog is loaded only where a list names one (see `closure.CHECKED`)."""
-    from foggy_synscapes.fogging import recipes
+    """The foggy image of a recipe; the code of fog is loaded only where a list names one (see `source_digest.CHECKED`)."""
+    from foggy_synscapes.frames import recipes
 
     return recipes.composite(recipe, read, name)
 

@@ -7,8 +7,8 @@ from foggy_synscapes.datasets.uris import RECIPE
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.hashing import checked
+from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import Shard, read_manifest
-from foggy_synscapes.progress import progress
 
 HELP = "Unpack shards into folders: results/fog/beta_B/0000.tar gives DIR/beta_B/foggy_img/00001_beta_B.png."
 

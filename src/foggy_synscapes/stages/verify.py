@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.lineage.check import differences
-from foggy_synscapes.lineage.rebuild import OPTIONS, rebuild
+from foggy_synscapes.provenance.check import differences
+from foggy_synscapes.provenance.rebuild import OPTIONS, rebuild
 
 HELP = "Hash results, and the stand-in that they come from, and name every file that is not what its record says."
 

@@ -13,7 +13,7 @@ from foggy_synscapes.io.matlab import read_parameters
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from foggy_synscapes.networks.imports import Imported
+    from foggy_synscapes.networks.importers.convert import Imported
 
 HELP = "Import public weights: whole networks, or backbones to start from."
 LAYOUT_NAMES = ("auto", "drsleep", "matconvnet", "torchseg", "coincheung", "torchvision", "caffe")
@@ -58,7 +58,7 @@ def weights(file: Path, network: str, out: Path, layout: str = "auto", lenient: 
         If the file cannot be read without running code in it, if its layout is unknown or of another network, or if a
         tensor is missing or left over and not `lenient`.
     """
-    from foggy_synscapes.networks.imports import convert
+    from foggy_synscapes.networks.importers.convert import convert
     from foggy_synscapes.networks.weights import dump_tensors
 
     try:
@@ -101,7 +101,7 @@ def _read(path: Path) -> dict[str, "Tensor"]:
     import torch
     from safetensors import SafetensorError
 
-    from foggy_synscapes.networks import matconvnet
+    from foggy_synscapes.networks.importers import matconvnet
 
     if path.suffix == ".mat":
         return matconvnet.tensors(read_parameters(path))

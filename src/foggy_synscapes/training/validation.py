@@ -60,6 +60,6 @@ def _groups(samples: Samples, size: int) -> Iterator[Batch]:
 
 
 def _mean_iou(confusion: Tensor) -> float:
-    hits, annotated, predicted = confusion.diagonal(), confusion.sum(1), confusion.sum(0)
-    shares = hits.double() / (annotated + predicted - hits).clamp(min=1)
+    true_positives, annotated, predicted = confusion.diagonal(), confusion.sum(1), confusion.sum(0)
+    shares = true_positives.double() / (annotated + predicted - true_positives).clamp(min=1)
     return float(100 * shares[annotated > 0].mean())

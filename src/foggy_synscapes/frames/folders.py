@@ -1,0 +1,176 @@
+"""Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
+
+import ctypes
+import signal
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from foggy_synscapes.errors import UNFORESEEN, FoggyError
+from foggy_synscapes.fog.airlight import Airlight
+from foggy_synscapes.frames import rendering
+from foggy_synscapes.frames.finding import Frame
+from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.images import is_whole_png, read_rgb
+
+Light = tuple[int, int, int, int, int]
+"""Row of the airlight table without its id: red, green, blue, row, column."""
+
+WRITERS = 8
+PR_SET_PDEATHSIG = 1  # sys/prctl.h
+
+AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort."""
+
+    out: Path
+    betas: list[str]
+    geometry: str
+    transmittance: bool
+    level: int
+    treatment: str
+
+    def paths(self, frame: Frame) -> tuple[list[Path], list[Path]]:
+        """Foggy images and transmittance maps of a frame, one per beta."""
+        foggy = [self.out / f"beta_{beta}" / "foggy_img" / frame.name(beta) for beta in self.betas]
+        maps = [self.out / f"beta_{beta}" / "transmittance" / frame.name(beta) for beta in self.betas]
+        return foggy, maps if self.transmittance else []
+
+
+@dataclass
+class Done:
+    """What became of one frame: its airlight row, files and bytes written, files that were there, warnings, error."""
+
+    id: str
+    light: Light = (0, 0, 0, 0, 0)
+    blue: bool = False
+    made: int = 0
+    kept: int = 0
+    bytes: int = 0
+    warnings: list[str] = field(default_factory=list)
+    error: str = ""
+
+    def add(self, other: "Done") -> None:
+        """Count another frame's files in, and take over its warnings."""
+        self.made, self.kept, self.bytes = self.made + other.made, self.kept + other.kept, self.bytes + other.bytes
+        self.warnings += other.warnings
+
+
+def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Light]) -> Iterator[Done]:
+    """Fog frame by frame, results in the order of `frames`.
+
+    known : airlight by frame id, of frames whose image did not change since
+
+    Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
+    """
+    tasks = ((frame, job, known.get(frame.id)) for frame in frames)
+    processes = min(processes, len(frames))
+    if processes <= 1:
+        rendering.keep_memory()
+        yield from (fog_frame(*task) for task in tasks)
+        return
+    pool = ProcessPoolExecutor(processes, initializer=_begin)
+    waiting: deque = deque()
+    try:
+        for task in tasks:
+            waiting.append(pool.submit(fog_frame, *task))
+            if len(waiting) > AHEAD * processes:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+    except BrokenProcessPool as error:
+        raise FoggyError(
+            "a process was killed, perhaps for lack of memory. Use fewer --jobs and run the same command to go on."
+        ) from error
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
+    """Make what is missing of one frame."""
+    done = Done(frame.id)
+    try:
+        foggy, maps = job.paths(frame)
+        newest = max(changed(path) for path in _inputs(frame))
+        wanted = {path for path in (*foggy, *maps) if not _is_right(path, newest)}
+        done.kept = len(foggy) + len(maps) - len(wanted)
+        if wanted:
+            _make(frame, job, wanted, done)
+        else:
+            done.light = known or _light(rendering.airlight_of(read_rgb(frame.rgb), job.treatment)[0])
+    except FoggyError as error:
+        done.error = str(error)
+    except OSError as error:
+        done.error = f"{error.filename or frame.rgb}: {error.strerror} (frame {frame.id})"
+    except UNFORESEEN as error:  # one frame must not stop a hundred thousand others, nor stay unnamed
+        done.error = f"{frame.rgb}: frame {frame.id} cannot be fogged: {type(error).__name__}: {error}"
+    return done
+
+
+def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
+    clear = rendering.read_clear(frame.rgb, frame.depth, str(frame.rgb), str(frame.depth))
+    camera, camera_name = rendering.read_camera(frame.camera), str(frame.camera)
+    light, done.blue = rendering.airlight_of(clear.image, job.treatment)
+    done.light = _light(light)
+    done.warnings = clear.warnings(light)
+    if done.blue and job.treatment == rendering.DROP:
+        return
+    foggy, maps = job.paths(frame)
+    rays = rendering.rays_of(clear, camera, camera_name, job.geometry)
+    # Files are synced one by one: several at a time wait for the disk together.
+    with ThreadPoolExecutor(WRITERS) as writer:
+        kinds = (
+            (foggy, partial(rendering.foggy_pngs, clear, rays, light)),
+            (maps, partial(rendering.transmittance_pngs, clear, rays)),
+        )
+        pending = []
+        for paths, encode in kinds:
+            missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
+            for path, data in zip(missing, encode(list(missing.values()), job.level) if missing else (), strict=True):
+                pending.append(writer.submit(write_bytes, path, data))
+                done.made += 1
+                done.bytes += len(data)
+        for written in pending:
+            written.result()
+
+
+def _light(light: Airlight) -> Light:
+    return (*light.levels, light.row, light.column)
+
+
+def _inputs(frame: Frame) -> tuple[Path, ...]:
+    inputs = (frame.rgb, frame.depth, frame.camera)
+    for path in inputs:
+        if not path.is_file():
+            raise FoggyError(f"{path}: missing (frame {frame.id})")
+    return inputs
+
+
+def changed(path: Path) -> int:
+    """When a file was last written or put into its place, in ns: a copy that keeps an old time is new all the same.
+
+    Where it is a symbolic link, also when that was.
+    """
+    return max(time for status in (path.stat(), path.lstat()) for time in (status.st_mtime_ns, status.st_ctime_ns))
+
+
+def _is_right(path: Path, newest: int) -> bool:
+    """Whether an image was finished by an earlier run, after its inputs were last changed."""
+    return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
+
+
+def _begin() -> None:
+    """What a process does first."""
+    rendering.keep_memory()
+    # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    library = ctypes.CDLL(None)
+    if hasattr(library, "prctl"):  # Linux: a killed first process would leave the others waiting for ever
+        library.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -1,0 +1,142 @@
+"""One frame from its files: read, fog at several betas, encode."""
+
+import ctypes
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.airlight import Airlight, estimate
+from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
+from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, foggy_scan_lines, transmittance_images
+from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
+
+KEEP, DROP, GREY = "keep", "drop", "grey"
+"""What to do where the airlight is blue (paper, section III, failure case)."""
+
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # malloc.h
+
+
+@dataclass(frozen=True)
+class Clear:
+    """A frame as read: image uint8 (H, W, 3), planar depth float32 (H, W) in metres, and what errors call them."""
+
+    image: np.ndarray
+    depth: np.ndarray
+    rgb_name: str
+    depth_name: str
+    at_zero: int  # pixels at distance 0
+
+    def warnings(self, light: Airlight) -> list[str]:
+        """What may be wrong with this frame, though fog on it is defined."""
+        found = []
+        if self.at_zero:
+            found.append(f"{self.depth_name}: {self.at_zero} pixels at distance 0, which usually means missing depth")
+        if light.levels == (0, 0, 0):
+            found.append(f"{self.rgb_name}: its atmospheric light is black, so its fog is black")
+        return found
+
+
+def keep_memory() -> None:
+    """Let this process keep what it frees, up to 256 MB, for the next frame.
+
+    The C library hands blocks as large as images back to the system each time, and clearing fresh pages for the
+    next one takes a tenth of a frame's time. Where there is no glibc, nothing happens.
+    """
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(M_MMAP_THRESHOLD, 32 << 20)
+        library.mallopt(M_TRIM_THRESHOLD, 256 << 20)
+
+
+def read_clear(rgb: Path | bytes, depth: Path | bytes, rgb_name: str, depth_name: str) -> Clear:
+    """Decode a frame and make sure that image and depth belong together.
+
+    Raises
+    ------
+    FoggyError
+        If a file is damaged or of another kind, sizes differ, or a depth is negative or not a number.
+    """
+    image, metres = read_rgb(rgb, rgb_name), read_depth(depth, depth_name)
+    if image.shape[:2] != metres.shape:
+        raise FoggyError(
+            f"{depth_name}: {_size(metres)} pixels, but {rgb_name} has {_size(image)}. "
+            "Are they of the same frame and resolution?"
+        )
+    try:
+        return Clear(image, metres, rgb_name, depth_name, count_zero_depth(metres))
+    except ValueError as error:
+        raise FoggyError(f"{depth_name}: {error}. Fetch the file again, or mend it at its source.") from error
+
+
+def read_camera(path: Path) -> Camera:
+    """Camera of a frame, from a JSON file or from the header of a depth file of Synscapes.
+
+    Raises FoggyError if there is none.
+    """
+    if path.suffix != ".exr":
+        return synscapes.read_camera(path)
+    header = read_depth_header(path)
+    missing = [name for name in ("camera:zoom", "image:window") if name not in header]
+    if missing:
+        raise FoggyError(
+            f"{path}: its header has no {' and no '.join(missing)}. Give the camera as a file: --camera FILE"
+        )
+    (left, top), (right, bottom) = header["dataWindow"]
+    try:
+        columns, rows = (tuple(float(edge) for edge in edges) for edges in header["image:window"])
+        return camera_from_window(
+            float(header["camera:zoom"]), columns, rows, int(right - left) + 1, int(bottom - top) + 1
+        )
+    except (ValueError, TypeError, IndexError, ArithmeticError) as error:
+        raise FoggyError(f"{path}: camera in its header: {error}. Give it as a file: --camera FILE") from error
+
+
+def airlight_of(image: np.ndarray, treatment: str) -> tuple[Airlight, bool]:
+    """Atmospheric light to use, and whether the image's own is blue; `treatment` grey takes its colour away then."""
+    light = estimate(image)
+    blue = light.is_blue()
+    return (light.grey() if blue and treatment == GREY else light), blue
+
+
+def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Rays:
+    """Rays of a frame's camera; FoggyError if the camera is of another size than the frame."""
+    if clear.depth.shape != (camera.resy, camera.resx):
+        raise FoggyError(
+            f"{camera_name}: its camera has {camera.resx} x {camera.resy} pixels, but {clear.depth_name} has "
+            f"{_size(clear.depth)}. Give the camera of these images."
+        )
+    return _rays(camera, geometry)
+
+
+def foggy_pngs(clear: Clear, rays: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
+    """Foggy images as PNG, one per beta in 1/m; `level` 0 is for photographs, 1 to 3 are deflate's effort."""
+    # Imported here: its loops are compiled, and Numba takes half a second.
+    from foggy_synscapes.io.photographs import encode_photographs
+
+    frame = clear.image, clear.depth, rays, light.levels, [float(beta) for beta in betas]
+    if level:
+        yield from (encode_png(image, level) for image in foggy_images(*frame))
+        return
+    # A few rows at a time: what was rendered is encoded while the processor's cache still has it.
+    yield from encode_photographs((len(betas), *clear.depth.shape), foggy_scan_lines(*frame))
+
+
+def transmittance_pngs(clear: Clear, rays: Rays, betas: list[str], level: int) -> Iterator[bytes]:
+    """Transmittance in 8 bits as PNG, one per beta in 1/m."""
+    maps = transmittance_images(clear.depth, rays, [float(beta) for beta in betas])
+    yield from (encode_png(one, max(level, 1)) for one in maps)  # smooth maps repeat: matches pay
+
+
+@lru_cache(maxsize=8)
+def _rays(camera: Camera, geometry: str) -> Rays:
+    return rays(camera, geometry)
+
+
+def _size(values: np.ndarray) -> str:
+    return f"{values.shape[1]} x {values.shape[0]}"

@@ -1,0 +1,129 @@
+"""Public weights, whatever their layout, as weights of our networks: every tensor finds its place, or is named."""
+
+import re
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.config import PUBLISHED, NetworkConfig
+from foggy_synscapes.networks.importers.layouts import LAYOUTS, Layout, backbone_of, detect
+from foggy_synscapes.networks.weights import Preprocessing
+
+WRAPPERS = ("module.", "model.", "network.")  # what wrapped modules put before every name
+CAFFE_NAMED = ("caffe", "matconvnet")  # layouts of networks that were trained in, or began from, Caffe's ResNet
+COUNTER = "num_batches_tracked"  # of batch norm; files older than PyTorch 0.4.1 lack it, and nothing here reads it
+
+
+@dataclass(frozen=True)
+class Imported:
+    """Weights of one of our networks, or of its backbone alone.
+
+    part : "network" or "backbone"; of a backbone alone, `decoder`, `classes` and `auxiliary` in the config say nothing
+    tensors : by our names
+    missing : names of that part (ours) without a tensor; left_over : names of the file without a place
+    """
+
+    layout: str
+    part: str
+    config: NetworkConfig
+    preprocessing: Preprocessing
+    tensors: dict[str, Tensor]
+    missing: list[str]
+    left_over: list[str]
+
+
+def convert(tensors: dict[str, Tensor], network: str, layout: str = "auto") -> Imported:
+    """Give every tensor of a public file its name in one of our networks.
+
+    Parameters
+    ----------
+    tensors : as read from the file
+    network : "refinenet" or "bisenet": the network that they are for
+    layout : key of `LAYOUTS`, or "auto" to tell it by the names. "caffe" where the names are torchvision's means a
+        backbone converted from Caffe: its preprocessing differs, and so does the place of the stride in a bottleneck
+
+    Raises
+    ------
+    ValueError
+        If the layout is unknown or is that of another network, or the sizes tell no architecture.
+    """
+    if layout != "auto" and layout not in LAYOUTS:
+        raise ValueError(f"layout: {layout!r}, expected auto or one of {', '.join(LAYOUTS)}")
+    tensors = unwrapped(tensors)
+    found = detect(tensors)
+    wanted = found if layout == "auto" else LAYOUTS[layout]
+    if wanted is not found and (wanted.name, found.name) != ("caffe", "torchvision"):
+        raise ValueError(f"layout: {wanted.name} was asked for, but the names are those of {found.name}")
+    if found.network not in (None, network):
+        raise ValueError(f"these are weights of {found.network} (layout {found.name}), not of {network}")
+    config = replace(_config(tensors, network, found), stride_in="1x1" if wanted.name in CAFFE_NAMED else "3x3")
+    return _placed(tensors, config, found, wanted.preprocessing)
+
+
+def unwrapped(tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    """The tensors without a wrapper's prefix, where all of their names have it."""
+    for prefix in WRAPPERS:
+        if tensors and all(name.startswith(prefix) for name in tensors):
+            return unwrapped({name.removeprefix(prefix): tensor for name, tensor in tensors.items()})
+    return tensors
+
+
+def _config(tensors: dict[str, Tensor], network: str, layout: Layout) -> NetworkConfig:
+    """The architecture that the names and sizes of a file tell."""
+
+    def size(ours: str, axis: int) -> int:
+        theirs = layout.translate(ours, PUBLISHED[network])
+        if theirs not in tensors:
+            raise ValueError(f"{theirs}: missing, and with it the size of the network. Is the file whole?")
+        return tensors[theirs].shape[axis]
+
+    config = replace(
+        PUBLISHED[network],
+        backbone=_caffe_backbone(tensors) if layout.name in CAFFE_NAMED else backbone_of(tensors, layout.backbone),
+        width=size("backbone.conv1.weight", 0),
+    )
+    if layout.network == "refinenet":
+        return replace(config, classes=size("head.weight", 0), decoder=size("head.weight", 1))
+    if layout.network == "bisenet":
+        return replace(
+            config,
+            classes=size("head.classifier.weight", 0),
+            decoder=size("whole.conv.weight", 0),
+            auxiliary=layout.translate("head32.classifier.weight", config) in tensors,
+            variant=layout.name,
+        )
+    return config
+
+
+def _caffe_backbone(tensors: dict[str, Tensor]) -> str:
+    blocks = {re.match(r"res\d[a-z]\d*_", name)[0] for name in tensors if re.match(r"res\d[a-z]\d*_", name)}
+    found = {16: "resnet50", 33: "resnet101"}.get(len(blocks))
+    if found is None:
+        raise ValueError(f"backbone of {len(blocks)} blocks: expected the 16 of ResNet-50 or the 33 of ResNet-101")
+    return found
+
+
+def _placed(
+    tensors: dict[str, Tensor], config: NetworkConfig, layout: Layout, preprocessing: Preprocessing
+) -> Imported:
+    with torch.device("meta"):
+        shapes = {name: tensor.shape for name, tensor in build(config).state_dict().items()}
+    part = "network" if layout.network else "backbone"
+    if part == "backbone":
+        shapes = {name: shape for name, shape in shapes.items() if name.startswith("backbone.")}
+    placed, missing, used = {}, [], set()
+    for ours, shape in shapes.items():
+        theirs = layout.translate(ours, config)
+        if theirs in tensors and tensors[theirs].shape == shape:
+            # Half precision files are widened; counters stay whole numbers.
+            kind = torch.int64 if ours.endswith(COUNTER) else torch.float32
+            placed[ours] = tensors[theirs].detach().to(kind).contiguous()
+            used.add(theirs)
+        elif ours.endswith(COUNTER):
+            placed[ours] = torch.zeros(shape, dtype=torch.int64)
+        else:
+            missing.append(ours)
+    left_over = [name for name in tensors if name not in used and not re.fullmatch(layout.ignored, name)]
+    return Imported(layout.name, part, config, preprocessing, placed, sorted(missing), sorted(left_over))

@@ -1,0 +1,147 @@
+"""Run records: beside its outputs, a step writes what made them, so that each number can be traced back.
+
+A record holds the command, the params it read, SHA-256 of its inputs, sources and outputs, versions, and the
+instruction set. It holds no time, host or absolute path, so that equal runs write equal records.
+"""
+
+import json
+import platform
+from collections.abc import Iterable, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes import __version__
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.names import check_name
+from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.instructions import instructions
+
+# Distributions whose name is not the name that is imported.
+DISTRIBUTIONS = {"PIL": "pillow", "yaml": "pyyaml", "OpenImageIO": "OpenImageIO"}
+RESULTS = "results"
+
+
+def write_run(
+    path: str | Path,
+    *,
+    command: list[str],
+    params: dict[str, Any],
+    inputs: Mapping[str, str],
+    outputs: Iterable[str | Path],
+    processes: int = 1,
+    measured: Mapping[str, str] | None = None,
+) -> None:
+    """Write the record of one step; `command` starts with `foggy` and the step's word.
+
+    `params` holds the values that the step read, without folders of the machine. `inputs` are SHA-256 by file, from
+    `checked_inputs`; `outputs` are files. Both are named relative to the working directory. `processes` shared
+    the arithmetic; `measured` is what the step chose by measuring, where its params say so.
+    """
+    word = command[1]
+    record = {
+        "command": command,
+        "params": params,
+        "inputs": dict(inputs),
+        "outputs": {Path(path).as_posix(): sha256(path) for path in sorted(outputs, key=str)},
+        "code": {name: sha256(source_digest.FOLDER / name) for name in source_digest.sources(word)},
+        "versions": versions(word),
+        "instructions": instructions(),
+        "processes": processes,
+    }
+    if measured:
+        record["measured"] = dict(measured)
+    write_text(path, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+
+
+def versions(word: str) -> dict[str, str]:
+    """Versions of Python, of this package and of the libraries that a command's sources import."""
+    found = {"python": platform.python_version(), "foggy-synscapes": __version__}
+    for name in source_digest.libraries(word):
+        distribution = DISTRIBUTIONS.get(name, name)
+        try:
+            found[distribution] = metadata.version(distribution)
+        except metadata.PackageNotFoundError:
+            found[distribution] = "not installed"
+    return found
+
+
+def checked_inputs(paths: Iterable[str | Path]) -> dict[str, str]:
+    """SHA-256 by file of what a step reads, made sure to be what the records of their makers say.
+
+    To be called before anything is made of the files. Those outside of `results` have no maker and are only hashed.
+
+    Raises
+    ------
+    FoggyError
+        If a file is missing or has no record, or was changed, or only half of its step's files were written.
+    """
+    hashes: dict[str, str] = {}
+    records: dict[Path, dict[str, Any]] = {}
+    for path in map(Path, sorted({str(path) for path in paths})):
+        if path.parts[0] == RESULTS and not path.is_file():
+            raise FoggyError(f"{path}: missing. It is made by an earlier step: run `snakemake` or `dvc repro`.")
+        hashes[path.as_posix()] = digest = sha256(path)
+        if path.parts[0] != RESULTS:
+            continue
+        place = record_of(path)
+        if not place.is_file():
+            raise FoggyError(
+                f"{path}: no run record beside it ({place}), so nothing says what made it. Was its step cut off, or "
+                "the file put there by hand? Delete it and run the engine again."
+            )
+        if place not in records:
+            records[place] = read_run(place)
+        record = records[place]
+        recorded = record["outputs"].get(path.as_posix())
+        if recorded != digest:
+            said = f"has sha256 {recorded[:12]}..." if recorded else "does not name it"
+            raise FoggyError(
+                f"{path}: is not what its step wrote: its sha256 is {digest[:12]}..., but {place} {said}. Make it "
+                f"again: {' '.join(record['command'])} (with the --params of this run), or delete it and run the "
+                "engine again."
+            )
+    return hashes
+
+
+def record_of(path: Path) -> Path:
+    """Where the run record of a result lies: `NAME.run.json` where the step writes several records, or `run.json`.
+
+    >>> record_of(Path("nowhere/results/0000.csv")).as_posix()
+    'nowhere/results/run.json'
+    """
+    own = path.with_suffix(".run.json")
+    return own if own.is_file() else path.with_name("run.json")
+
+
+def read_run(path: Path) -> dict[str, Any]:
+    """One run record.
+
+    Raises FoggyError if it is no JSON object with command, inputs and outputs, or names outputs outside of the folder.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise FoggyError(f"{path}: not a readable run record: {error}. Run its step again.") from error
+    if not isinstance(record, dict) or not {"command", "inputs", "outputs"} <= record.keys():
+        raise FoggyError(f"{path}: not a run record: command, inputs or outputs missing. Run its step again.")
+    for name in record["outputs"]:
+        try:
+            check_name(name)
+        except ValueError as error:
+            raise FoggyError(f"{path}: not a run record of this project: {error}. Delete it.") from error
+    return record
+
+
+def read_runs(folder: str | Path = RESULTS) -> dict[Path, dict[str, Any]]:
+    """All run records below a folder by their own path, sorted; raises FoggyError as `read_run` does."""
+    return {path: read_run(path) for path in sorted(Path(folder).rglob("*run.json"))}
+
+
+def state(path: str | Path, recorded: str) -> str:
+    """Whether a file is as recorded: "unchanged", "changed" or "missing"."""
+    if not Path(path).is_file():
+        return "missing"
+    return "unchanged" if sha256(path) == recorded else "changed"

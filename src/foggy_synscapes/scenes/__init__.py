@@ -1,5 +1,0 @@
-"""The stand-in's street renderer: arrays out, decided by a seed alone."""
-
-from foggy_synscapes.scenes.render import Scene, render
-
-__all__ = ["Scene", "render"]

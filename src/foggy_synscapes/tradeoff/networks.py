@@ -1,0 +1,193 @@
+"""Ways of computing a trained network: CPU time of one thread against what becomes of its scores on a test set."""
+
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import torch
+
+from foggy_synscapes.io.progress import progress
+from foggy_synscapes.networks.weights import Model
+from foggy_synscapes.scoring.metrics import summarize
+from foggy_synscapes.scoring.tally import Tally
+from foggy_synscapes.tables.numbers import signed
+from foggy_synscapes.tables.results import NETWORKS
+from foggy_synscapes.tradeoff.compare import Difference
+from foggy_synscapes.tradeoff.graph import Graph
+from foggy_synscapes.tradeoff.pareto import front
+
+THREADS = 1  # that a measurement counts the time of
+EAGER, BFLOAT16, ONNX, INT8 = "PyTorch float32", "PyTorch bfloat16", "ONNX float32", "ONNX int8"
+WAYS = (EAGER, BFLOAT16, ONNX, INT8)
+LITTLE = 0.5  # points of mean IoU that a recommended way may lose
+
+Sample = tuple[np.ndarray, np.ndarray, str]  # image uint8 (H, W, 3), labelIds uint8 (H, W), name
+Outputs = tuple[np.ndarray, np.ndarray]  # logits float32 (C, H, W), trainIds uint8 (H, W)
+
+
+@dataclass
+class Score:
+    """One way of computing one network; all but the first three are None where the machine or its packages cannot.
+
+    scale : of the image's sides; cpu_ms : median per image, from 8-bit RGB to trainIds of its size, on `THREADS`
+    scores : see `metrics.summarize`; largest : difference of logits from the reference; changed : pixels, in percent
+    """
+
+    network: str
+    scale: float
+    way: str
+    cpu_ms: float | None = None
+    scores: dict[str, Any] | None = field(default=None, repr=False)
+    largest: float | None = None
+    changed: float | None = None
+
+    @property
+    def miou(self) -> float:
+        """Mean IoU over the annotated classes, in percent."""
+        return self.scores["mean_iou"]["annotated"]
+
+    def change(self, reference: "Score") -> dict[str, float]:
+        """IoU of each annotated class less that of another way, in points."""
+        pairs = zip(self.scores["classes"], reference.scores["classes"], strict=True)
+        return {one["name"]: one["iou"] - other["iou"] for one, other in pairs if one["iou"] is not None}
+
+
+@dataclass(frozen=True)
+class Way:
+    """Functions of an image: trainIds alone, which is timed, and logits with trainIds, to compare."""
+
+    classes: Callable[[np.ndarray], np.ndarray]
+    outputs: Callable[[np.ndarray], Outputs]
+
+
+def measure(
+    name: str, model: Model, samples: Sequence[Sample], calibration: Sequence[np.ndarray], scales: Sequence[float]
+) -> list[Score]:
+    """Time every way at every scale on all samples, and compare it with PyTorch in float32 at full scale.
+
+    calibration : training images, whose ranges the 8-bit ways take
+    """
+    torch.set_num_threads(THREADS)
+    reference = _eager(model, 1.0, torch.float32)
+    scores = []
+    for scale in scales:
+        ways = ways_at(model, scale, calibration)
+        scores += [Score(name, scale, way) for way in WAYS]
+        found = dict(zip(WAYS, scores[-len(WAYS) :], strict=True))
+        times: dict[str, list[float]] = {way: [] for way in ways}
+        tallies, differences = {way: Tally() for way in ways}, {way: Difference() for way in ways}
+        for rgb, labels, called in progress(samples, f"tradeoff {name} at {scale:g}"):
+            logits = reference.outputs(rgb)[0]
+            for way, run in ways.items():
+                # The first call finds its memory; the second is timed.
+                own, classes = run.outputs(rgb)
+                differences[way].add(logits, own, classes)
+                tallies[way].add(labels, classes, called, called)
+                run.classes(rgb)
+                started = time.thread_time()
+                run.classes(rgb)
+                times[way].append(1000 * (time.thread_time() - started))
+        for way in ways:
+            score = found[way]
+            score.cpu_ms = statistics.median(times[way])
+            score.scores = summarize(tallies[way].matrix("labelIds", "trainIds"), len(samples))
+            score.largest, score.changed = differences[way].largest, differences[way].changed_percent
+    return scores
+
+
+def ways_at(model: Model, scale: float, calibration: Sequence[np.ndarray]) -> dict[str, Way]:
+    """Those of `WAYS` that this machine can compute and has the packages for."""
+    ways = {EAGER: _eager(model, scale, torch.float32)}
+    if torch.ops.mkldnn._is_mkldnn_bf16_supported():
+        ways[BFLOAT16] = _eager(model, scale, torch.bfloat16)
+    try:
+        from foggy_synscapes.tradeoff.onnx_export import to_onnx
+        from foggy_synscapes.tradeoff.quantize import to_int8
+
+        graph = to_onnx(model, scale)
+        ways[ONNX] = _session(graph)
+        ways[INT8] = _session(to_int8(graph, calibration))
+    except ImportError:
+        # The table prints -- for them, and the text says which packages are missing.
+        return ways
+    return ways
+
+
+def _eager(model: Model, scale: float, dtype: torch.dtype) -> Way:
+    graph = Graph(model, scale).eval()
+
+    def outputs(rgb: np.ndarray) -> Outputs:
+        with torch.inference_mode(), torch.autocast("cpu", torch.bfloat16, enabled=dtype == torch.bfloat16):
+            logits, classes = graph(torch.from_numpy(rgb)[None])
+        return logits[0].numpy(), classes[0].numpy()
+
+    return Way(lambda rgb: outputs(rgb)[1], outputs)
+
+
+def _session(graph: bytes) -> Way:
+    from foggy_synscapes.tradeoff.onnx_export import with_output
+    from foggy_synscapes.tradeoff.session import Session
+
+    whole, alone = Session(graph, THREADS), Session(with_output(graph, "classes"), THREADS)
+    return Way(lambda rgb: alone(rgb, "classes"), lambda rgb: (whole(rgb, "logits"), whole(rgb, "classes")))
+
+
+def pareto_front(scores: Sequence[Score]) -> list[bool]:
+    """Which ways none beats in time and mean IoU, over all networks; those that were not measured do not count."""
+    measured = [number for number, score in enumerate(scores) if score.cpu_ms is not None]
+    best = front([(scores[number].cpu_ms, -scores[number].miou) for number in measured])
+    kept = {number for number, good in zip(measured, best, strict=True) if good}
+    return [number in kept for number in range(len(scores))]
+
+
+def reference_of(scores: Sequence[Score], network: str) -> Score:
+    """PyTorch in float32 at full scale."""
+    return next(score for score in scores if (score.network, score.scale, score.way) == (network, 1.0, EAGER))
+
+
+def recommended(scores: Sequence[Score], network: str) -> Score:
+    """The fastest way that loses at most `LITTLE` points of mean IoU."""
+    least = reference_of(scores, network).miou - LITTLE
+    good = [score for score in scores if score.network == network and score.cpu_ms is not None and score.miou >= least]
+    return min(good, key=lambda score: score.cpu_ms)
+
+
+def paragraph(scores: Sequence[Score]) -> str:
+    """Which way to take for each network and why, in words that follow from the figures."""
+    parts = []
+    for network in dict.fromkeys(score.network for score in scores):
+        plain, chosen = reference_of(scores, network), recommended(scores, network)
+        text = [
+            f"{NETWORKS.get(network, network)}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image "
+            f"and reaches a mean IoU of {plain.miou:.2f} %."
+        ]
+        if chosen is plain:
+            text.append(f"No other way is faster and within {LITTLE} points of that: take **{EAGER}**.")
+        else:
+            text.append(
+                f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.cpu_ms:.1f} ms, "
+                f"{plain.cpu_ms / chosen.cpu_ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
+                f"{chosen.changed:.2g} % of the pixels of another class; it is the fastest that loses at most {LITTLE} "
+                "points."
+            )
+        text += [_step(score, plain) for score in scores if score.network == network and score.way == INT8]
+        parts.append(" ".join(part for part in text if part))
+    missing = sorted({score.way for score in scores if score.cpu_ms is None})
+    if missing:
+        parts.append(
+            "Not measured here, for want of the processor's instructions or of the packages of the extra `export`: "
+            f"{', '.join(missing)}."
+        )
+    return "\n\n".join(parts)
+
+
+def _step(score: Score, plain: Score) -> str:
+    if score.cpu_ms is None:
+        return ""
+    return (
+        f"{score.way} at scale {score.scale:g} is {plain.cpu_ms / score.cpu_ms:.1f} times as fast at "
+        f"{signed(score.miou - plain.miou, 2)} points."
+    )
