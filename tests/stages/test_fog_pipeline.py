@@ -131,7 +131,7 @@ def test_an_interrupted_shard_goes_on_and_ends_with_the_same_bytes(params: Param
     whole = tree(Path("results/fog"))
     SHARD.unlink()
     rendered: list[str] = []
-    real = shards.render.foggy_pngs
+    real = shards.rendering.foggy_pngs
 
     def interrupted(clear, *rest):
         if len(rendered) == 2:
@@ -139,14 +139,14 @@ def test_an_interrupted_shard_goes_on_and_ends_with_the_same_bytes(params: Param
         rendered.append(clear.rgb_name)
         return real(clear, *rest)
 
-    monkeypatch.setattr(shards.render, "foggy_pngs", interrupted)
+    monkeypatch.setattr(shards.rendering, "foggy_pngs", interrupted)
     with pytest.raises(KeyboardInterrupt):
         shards.fog(params, "0.005", "0000")
     assert not SHARD.exists()
     # The second finished image is damaged since: it is made again, the first is kept.
     (SHARD.parent / ".0000" / "00002_beta_0.005.png").write_bytes(b"half")
     monkeypatch.setattr(
-        shards.render, "foggy_pngs", lambda clear, *rest: (rendered.append(clear.rgb_name), real(clear, *rest))[1]
+        shards.rendering, "foggy_pngs", lambda clear, *rest: (rendered.append(clear.rgb_name), real(clear, *rest))[1]
     )
     shards.fog(params, "0.005", "0000")
     assert rendered == [f"synscapes/img/rgb/{n}.png" for n in (1, 2, 2, 4, 5)]

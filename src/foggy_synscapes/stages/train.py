@@ -264,7 +264,7 @@ def _finish(
 
 
 def _composite(recipe: bytes, read: Callable[[str, str], bytes], name: str) -> "np.ndarray":
-    """The foggy image of a recipe; the code of fog is loaded only where a list names one (see `source_digest.CHECKED`)."""
+    """The foggy image of a recipe; the code of fog is loaded only where a list names one (`source_digest.CHECKED`)."""
     from foggy_synscapes.frames import recipes
 
     return recipes.composite(recipe, read, name)
