@@ -1,6 +1,6 @@
 """Registries: what grows is found, not listed. An entry is a module that declares one, here or among the plugins.
 
-A module of a registry's package registers itself by assigning the registry's constant, such as `NETWORK = Network(...)`;
+A module of a registry's package registers itself by assigning the registry's constant, `NETWORK = NetworkEntry(...)`;
 its file's name is the entry's name. Plugins are modules in a folder of the user's that do the same; see `use_plugins`.
 """
 
@@ -113,5 +113,5 @@ def _plugin(path: Path) -> ModuleType:
         sys.modules[PLUGINS] = package
     try:
         return importlib.import_module(f"{PLUGINS}.{path.stem}")
-    except (ImportError, SyntaxError) as error:
-        raise FoggyError(f"{path}: this plugin cannot be imported: {error}") from error
+    except Exception as error:  # the user's own code may raise anything; the message names its file
+        raise FoggyError(f"{path}: this plugin cannot be imported: {type(error).__name__}: {error}") from error

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from foggy_synscapes.networks import PUBLISHED, NetworkConfig
+from foggy_synscapes.networks import NETWORKS, NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import multiply_adds, parameters
 
@@ -22,11 +22,11 @@ TINY = NetworkConfig("bisenet", "resnet18", width=8, decoder=4)
     ],
 )
 def test_count_of_parameters_is_the_published_one(variant, auxiliary, count):
-    assert parameters(replace(PUBLISHED["bisenet"], variant=variant, auxiliary=auxiliary)) == count
+    assert parameters(replace(NETWORKS["bisenet"].published, variant=variant, auxiliary=auxiliary)) == count
 
 
 def test_multiply_adds_are_the_published_ones():
-    assert round(multiply_adds(PUBLISHED["bisenet"]) / 1e9, 1) == 25.9
+    assert round(multiply_adds(NETWORKS["bisenet"].published) / 1e9, 1) == 25.9
 
 
 @pytest.mark.parametrize("variant", ["torchseg", "coincheung"])

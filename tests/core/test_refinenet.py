@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from foggy_synscapes.networks import PUBLISHED, NetworkConfig
+from foggy_synscapes.networks import NETWORKS, NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import multiply_adds, parameters
 
@@ -13,12 +13,12 @@ TINY = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, auxiliary=Fals
 
 
 def test_count_of_parameters_is_the_published_one():
-    assert parameters(PUBLISHED["refinenet"]) == 118_047_827
-    assert parameters(replace(PUBLISHED["refinenet"], classes=21)) == 118_052_437
+    assert parameters(NETWORKS["refinenet"].published) == 118_047_827
+    assert parameters(replace(NETWORKS["refinenet"].published, classes=21)) == 118_052_437
 
 
 def test_multiply_adds_are_the_published_ones():
-    assert round(multiply_adds(PUBLISHED["refinenet"]) / 1e9, 1) == 525.6
+    assert round(multiply_adds(NETWORKS["refinenet"].published) / 1e9, 1) == 525.6
 
 
 @pytest.mark.parametrize("size", [(1, 1), (33, 47), (64, 32), (100, 31)])

@@ -6,7 +6,9 @@ import pytest
 from foggy_synscapes.datasets.synscapes import SCENE_KEYS
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.labels import CLASSES, LABEL_IDS, to_train_ids
-from foggy_synscapes.standin import Scene, frames, render
+from foggy_synscapes.standin import frames
+from foggy_synscapes.standin.layouts import cityscapes, foggy_driving, foggy_zurich
+from foggy_synscapes.standin.render import Scene, render
 from foggy_synscapes.standin.sky import BLUE_EVERY, BRIGHTEST, is_blue
 
 SIZE = (128, 256)
@@ -35,7 +37,8 @@ def test_a_frame_depends_on_its_seed_alone() -> None:
 
 
 def test_streams_share_no_scene() -> None:
-    streams = {value for name, value in vars(frames).items() if name.isupper() and isinstance(value, int)}
+    streams = {frames.SYNSCAPES, *cityscapes.STREAMS.values(), foggy_driving.FINE, foggy_driving.COARSE}
+    streams.add(foggy_zurich.STREAM)
     assert len(streams) == 6
     depths = [render((2019, stream, 0), (32, 64), "real").depth.tobytes() for stream in streams]
     assert len(set(depths)) == len(streams)

@@ -9,6 +9,7 @@ from foggy_synscapes.fog.geometry import rays
 from foggy_synscapes.standin import annotate, frames, stereo
 from foggy_synscapes.standin import fog as haze
 from foggy_synscapes.standin.canvas import FARTHEST
+from foggy_synscapes.standin.layouts import foggy_driving, foggy_zurich
 
 SIZE = (96, 192)
 
@@ -94,16 +95,17 @@ def test_instance_numbers_survive_their_colours() -> None:
 
 
 def test_test_fog_is_of_densities_that_training_does_not_use() -> None:
-    assert not {0.005, 0.01, 0.02, 0.03, 0.06} & {*haze.DRIVING_BETAS, *haze.ZURICH_BETAS}
-    thin, dense = (frames.foggy_zurich(2019, k, SIZE) for k in (0, 4))
+    assert not {0.005, 0.01, 0.02, 0.03, 0.06} & {*foggy_driving.BETAS, *foggy_zurich.BETAS}
+    thin, dense = (foggy_zurich.ZurichFrame(2019, SIZE, k).photograph() for k in (0, 4))
     assert thin.beta < dense.beta
     assert thin.rgb.shape == (108, 192, 3)
 
 
 def test_foggy_zurich_has_no_train() -> None:
     for number in range(12):
-        assert not (frames.foggy_zurich(2019, number, (32, 64)).label_ids == 31).any()
+        assert not (foggy_zurich.ZurichFrame(2019, (32, 64), number).photograph().label_ids == 31).any()
 
 
 def test_foggy_driving_images_differ_in_size() -> None:
-    assert len({frames.foggy_driving(2019, k, (32, 64), True).rgb.shape for k in range(8)}) > 2
+    frames = [foggy_driving.DrivingFrame(2019, (32, 64), number, True) for number in range(8)]
+    assert len({frame.photograph().rgb.shape for frame in frames}) > 2

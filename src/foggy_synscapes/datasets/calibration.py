@@ -10,8 +10,6 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_rgb
 from foggy_synscapes.io.tables import read_csv
 
-DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes")  # that training lists name images of
-
 
 def calibration_images(path: Path, reader: Reader, count: int, composite: Composite) -> list[np.ndarray]:
     """So many images of a list of `subset`, spread evenly over it, or all where it has fewer; uint8 (H, W, 3).

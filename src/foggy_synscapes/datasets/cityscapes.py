@@ -3,7 +3,12 @@
 A frame is named by split and stem, e.g. `train/aachen/aachen_000000_000019`.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from foggy_synscapes.datasets.dataset import Dataset
+from foggy_synscapes.errors import FoggyError
 
 IMAGE = "leftImg8bit/{frame}_leftImg8bit.png"
 LABELS = "gtFine/{frame}_gtFine_labelIds.png"
@@ -50,3 +55,22 @@ def frames(paths: Iterable[str], split: str) -> list[str]:
 def pairs(paths: Iterable[str], split: str = "val") -> list[tuple[str, str]]:
     """(image, labelIds) paths below the root of every frame of a split."""
     return [(image(frame), labels(frame)) for frame in frames(paths, split)]
+
+
+def files(root: Path, _scenes: Any, _part: str) -> list[str]:
+    """Image and labelIds of every training and validation frame; FoggyError if there is no image of them."""
+    images = [path.relative_to(root).as_posix() for path in (root / "leftImg8bit").glob("*/*/*_leftImg8bit.png")]
+    found = [path for split in ("train", "val") for pair in pairs(images, split) for path in pair]
+    if not found:
+        raise FoggyError(f"{root}: no leftImg8bit/train or leftImg8bit/val images. Is this the Cityscapes folder?")
+    return found
+
+
+def tested(_root: Path, index: Mapping[str, str], _scenes: Any) -> list[tuple[str, str]]:
+    """The clear validation frames, as the index lists them."""
+    return sorted(pairs(index))
+
+
+DATASET = Dataset(
+    title="clear Cityscapes validation", short_title="clear Cityscapes, val", files=files, test_pairs=tested
+)

@@ -8,7 +8,9 @@ Source: Sakaridis, Dai and Van Gool, Semantic Foggy Scene Understanding with Syn
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.datasets.lists import read_text
 from foggy_synscapes.errors import FoggyError
 
@@ -45,3 +47,20 @@ def read_refined(root: Path, name: str, index: Mapping[str, str] | None = None) 
             raise FoggyError(f"{path}, line {number}: {match[0]} stands there twice")
         found[match[1]].append(match[0])
     return found
+
+
+def files(root: Path, scenes: Any, _part: str) -> list[str]:
+    """The refined list and its frames at every beta of which there is an image; FoggyError if there is none."""
+    refined = read_refined(root, scenes.refined_list)
+    names = [frame for frames in refined.values() for frame in frames]
+    betas = [beta for beta in BETAS if any((root / image(name, beta)).is_file() for name in names)]
+    if not betas:
+        raise FoggyError(
+            f"{root}: no leftImg8bit_foggy image of the refined frames. Is this the Foggy Cityscapes folder?"
+        )
+    return [scenes.refined_list, *(image(name, beta) for name in names for beta in betas)]
+
+
+DATASET = Dataset(
+    title="Foggy Cityscapes", short_title="Foggy Cityscapes", files=files, settings=("scenes.refined_list",)
+)

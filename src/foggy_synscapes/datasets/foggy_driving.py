@@ -7,7 +7,9 @@ Source: Sakaridis, Dai and Van Gool, Semantic Foggy Scene Understanding with Syn
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.datasets.lists import paired, read_list
 
 IMAGES = "lists_file_names/leftImg8bit_testall_filenames.txt"
@@ -28,3 +30,16 @@ def pairs(root: str | Path, index: Mapping[str, str] | None = None) -> list[tupl
     """(image, labelIds) paths below the root, as the dataset's own lists pair them; `index` as in `lists.read_text`."""
     images, maps = (read_list(Path(root), name, index) for name in (IMAGES, LABELS))
     return paired(images, maps, "Foggy Driving")
+
+
+def files(root: Path, _scenes: Any, _part: str) -> list[str]:
+    """The lists of all images and label maps, and what they name."""
+    return [IMAGES, LABELS, *(path for pair in pairs(root) for path in pair)]
+
+
+def tested(root: Path, index: Mapping[str, str], _scenes: Any) -> list[tuple[str, str]]:
+    """All 101 images, finely and coarsely labelled."""
+    return sorted(pairs(root, index))
+
+
+DATASET = Dataset(title="Foggy Driving", short_title="Foggy Driving", files=files, test_pairs=tested)

@@ -6,7 +6,9 @@ Source: Dai, Sakaridis, Hecker and Van Gool, Curriculum Model Adaptation, IJCV 2
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.datasets.lists import paired, read_list
 
 
@@ -34,3 +36,24 @@ def pairs(root: str | Path, version: str = "testv2", index: Mapping[str, str] | 
     """(image, labelIds) paths below the root, as the dataset's own lists pair them; `index` as in `lists.read_text`."""
     images, maps = (read_list(Path(root), list_path(kind, version), index) for kind in ("RGB", "gt_labelIds"))
     return paired(images, maps, "Foggy Zurich")
+
+
+def files(root: Path, scenes: Any, _part: str) -> list[str]:
+    """The lists of images and labelIds of the chosen version, and what they name."""
+    version = scenes.zurich_list
+    lists = [list_path(kind, version) for kind in ("RGB", "gt_labelIds")]
+    return [*lists, *(path for pair in pairs(root, version) for path in pair)]
+
+
+def tested(root: Path, index: Mapping[str, str], scenes: Any) -> list[tuple[str, str]]:
+    """The images of the chosen version."""
+    return sorted(pairs(root, scenes.zurich_list, index))
+
+
+DATASET = Dataset(
+    title="Foggy Zurich-test",
+    short_title="Foggy Zurich",
+    files=files,
+    settings=("scenes.zurich_list",),
+    test_pairs=tested,
+)

@@ -5,7 +5,7 @@ the folders themselves. Paths are relative to the dataset's root, with forward s
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
@@ -16,34 +16,28 @@ from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import read_csv, write_csv
 
 COLUMNS = ("path", "size", "sha256")
-FOLDER = Path("results/scenes/index")
 CACHE = Path(".foggy/cache")
 """What only saves time, and knows the times of this machine's files: not a result."""
 
 
-def read_index(*names: str) -> dict[str, str]:
-    """SHA-256 by relative path, of one dataset or of several shards, such as "synscapes/0000", "synscapes/0001".
+def read_index(*paths: Path) -> dict[str, str]:
+    """SHA-256 by relative path, of one index or of several, which are the parts of a dataset.
 
     Raises FoggyError if an index is missing or damaged, or names a file outside of the dataset's folder.
     """
     hashes: dict[str, str] = {}
-    for name in names:
-        for row in read_csv(index_path(name), COLUMNS):
+    for path in paths:
+        for row in read_csv(path, COLUMNS):
             try:
                 check_name(row["path"])
             except ValueError as error:
-                raise FoggyError(f"{index_path(name)}: {error}; it leads out of the dataset's folder") from error
+                raise FoggyError(f"{path}: {error}; it leads out of the dataset's folder") from error
             hashes[row["path"]] = row["sha256"]
     return hashes
 
 
-def index_path(name: str) -> Path:
-    """Where an index lies: `cityscapes/all`, or a shard of Synscapes such as `synscapes/0000`."""
-    return FOLDER / f"{name}.csv"
-
-
-def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
-    """Hash the files and write their index, sorted by path.
+def write_index(index: Path, root: Path, paths: Iterable[str]) -> None:
+    """Hash the files and write their index, `DATASET/PART.csv`, sorted by path.
 
     A file whose size and modification time are those of the last time is not read again.
 
@@ -52,7 +46,7 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
     FoggyError
         If a file is missing, is not a plain file, or lies outside the root (through `..` or a link).
     """
-    cache_path = CACHE / f"{name}.json"
+    name, cache_path = f"{index.parent.name}/{index.stem}", _cache_path(index)
     cache = _read_cache(cache_path)
     rows, fresh = [], {}
     inside = root.resolve()
@@ -60,7 +54,7 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
         file = root / path
         if not file.is_file():
             raise FoggyError(
-                f"{file}: missing. The {name.partition('/')[0]} dataset is incomplete; see the README on real data."
+                f"{file}: missing. The {index.parent.name} dataset is incomplete; see the README on real data."
             )
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
@@ -69,18 +63,18 @@ def write_index(name: str, root: Path, paths: Iterable[str]) -> None:
         digest = known[1] if known and known[0] == stamp else sha256(file)
         fresh[path] = [stamp, digest]
         rows.append((path, stamp[0], digest))
-    write_csv(index_path(name), COLUMNS, rows)
+    write_csv(index, COLUMNS, rows)
     write_text(cache_path, json.dumps(fresh))
 
 
-def changed_since_listed(name: str, root: Path) -> list[str]:
+def changed_since_listed(index: Path, root: Path) -> list[str]:
     """Files of an index that are missing or have another content than when they were listed.
 
     Only files whose size or modification time is another are read. An index that was not made on this machine cannot
     be judged so and gives [].
     """
-    cache_path = CACHE / f"{name}.json"
-    cache = _read_cache(cache_path) if index_path(name).is_file() else {}
+    cache_path = _cache_path(index)
+    cache = _read_cache(cache_path) if index.is_file() else {}
     changed, touched = [], False
     for path, (stamp, digest) in sorted(cache.items()):
         found = _stamp(root / path)
@@ -94,6 +88,10 @@ def changed_since_listed(name: str, root: Path) -> list[str]:
     if touched:
         write_text(cache_path, json.dumps(cache))
     return changed
+
+
+def _cache_path(index: Path) -> Path:
+    return CACHE / index.parent.name / f"{index.stem}.json"
 
 
 def _stamp(file: Path) -> list[int]:
@@ -114,10 +112,8 @@ def _read_cache(path: Path) -> dict[str, list]:
     return cache if isinstance(cache, dict) else {}
 
 
-def expect(index: dict[str, str], paths: Iterable[str], dataset: str) -> None:
+def expect(index: Mapping[str, str], paths: Iterable[str], dataset: str) -> None:
     """Raise FoggyError naming the first of `paths` that an index does not have."""
     for path in paths:
         if path not in index:
-            raise FoggyError(
-                f"{dataset}: {path} is not in the index {FOLDER}. Is the file missing? Run `foggy scenes` again."
-            )
+            raise FoggyError(f"{dataset}: {path} is not in its index. Is the file missing? Run `foggy scenes` again.")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets.dataset import STAND_IN, Dataset
 from foggy_synscapes.errors import FoggyError
 
 SCENE_KEYS = (
@@ -76,7 +77,8 @@ def shard_frames(shard: str, size: int, last: int | None = None) -> range:
 
 def camera_of(row: Mapping[str, str]) -> Camera:
     """Camera from a row of `kept.csv`: its columns fx, fy, u0, v0, resx and resy."""
-    return Camera(*(float(row[name]) for name in ("fx", "fy", "u0", "v0")), int(row["resx"]), int(row["resy"]))
+    fx, fy, u0, v0 = (float(row[name]) for name in ("fx", "fy", "u0", "v0"))
+    return Camera(fx, fy, u0, v0, int(row["resx"]), int(row["resy"]))
 
 
 def read_camera(path: str | Path) -> Camera:
@@ -117,13 +119,39 @@ def _read(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> dict[str
 def _camera(document: dict[str, Any], path: str | Path) -> Camera:
     intrinsic = document.get("camera", {}).get("intrinsic", {}) if isinstance(document.get("camera"), dict) else {}
     try:
-        numbers = {name: float(intrinsic[name]) for name in ("fx", "fy", "u0", "v0")}
+        fx, fy, u0, v0 = (float(intrinsic[name]) for name in ("fx", "fy", "u0", "v0"))
         size = {name: int(intrinsic[name]) for name in ("resx", "resy")}
         fractions = [name for name in size if size[name] != float(intrinsic[name])]
         if fractions:
             raise ValueError(f"{fractions[0]} is {intrinsic[fractions[0]]}, expected a whole number of pixels")
-        return Camera(**numbers, **size)
+        return Camera(fx, fy, u0, v0, **size)
     except KeyError as error:
         raise FoggyError(f"{path}: camera.intrinsic.{error.args[0]} missing") from error
     except (TypeError, ValueError, OverflowError) as error:
         raise FoggyError(f"{path}: camera.intrinsic: {error}") from error
+
+
+def files(root: Path, scenes: Any, shard: str) -> list[str]:
+    """Image, depth, class and meta of each frame of a shard; FoggyError naming what a frame lacks."""
+    # Of the stand-in the last shard may be short; a real frame that is not there must not pass for that.
+    last = scenes.stand_in.synscapes if scenes.roots["synscapes"] == STAND_IN else None
+    ids, paths = shard_frames(shard, scenes.shard_frames, last), []
+    for frame in ids:
+        own = [name(frame) for name in (rgb, depth, class_, meta)]
+        missing = [path for path in own if not (root / path).is_file()]
+        if missing:
+            raise FoggyError(
+                f"{root}: frame {frame} lacks {', '.join(missing)}. Frames {ids[0]} to {ids[-1]} need image, depth, "
+                "class and meta; see scenes.shards and scenes.shard_frames."
+            )
+        paths += own
+    return paths
+
+
+DATASET = Dataset(
+    title="Synscapes",
+    short_title="Synscapes",
+    files=files,
+    parts="scenes.shards",
+    settings=("scenes.shard_frames", "scenes.shards"),
+)

@@ -1,7 +1,7 @@
 """Names of images and label maps in the lists of `subset`, independent of where a machine keeps its data.
 
 `cityscapes:gtFine/val/...png` lies below that dataset's root; `fog:beta_0.005/0000.tar#00001_beta_0.005.png` is a
-member of a shard below `results/fog`.
+member of a shard of fog.
 """
 
 from collections import OrderedDict
@@ -12,7 +12,6 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import checked, read_checked
 from foggy_synscapes.io.shards import Shard
 
-FOG = Path("results/fog")
 RECIPE = ".json"
 OPEN_SHARDS = 64
 """Shards held open at once; 50 hold the whole of Synscapes at one beta."""
@@ -46,8 +45,8 @@ class Reader:
     fog : folder of the fog shards
     """
 
-    def __init__(self, roots: Mapping[str, Path], fog: Path = FOG) -> None:
-        self.roots, self.fog = dict(roots), fog
+    def __init__(self, roots: Mapping[str, Path], fog: str | Path = "") -> None:
+        self.roots, self.fog = dict(roots), Path(fog)
         self._shards: OrderedDict[str, Shard] = OrderedDict()
 
     def read(self, uri: str, sha256: str) -> bytes:

@@ -25,8 +25,8 @@ def cut_histogram(
     values : of the property, one per frame; kept : whether the filter kept the frame, by this rule or another
     cuts : ("minimum" or "maximum", value), drawn as lines
     """
-    values, kept = np.asarray(values, float), np.asarray(kept, bool)
-    low, high = values.min(), values.max()
+    measured, inside = np.asarray(values, float), np.asarray(kept, bool)
+    low, high = measured.min(), measured.max()
     width = (high - low) / BINS or 1.0
     # Bins begin at the cut: one that it divides would mix what is kept with what is not.
     start = cuts[0][1] if cuts else low
@@ -34,10 +34,10 @@ def cut_histogram(
     with matplotlib.rc_context(SETTINGS):
         figure = new_figure(5.4, 2.6)
         axes = figure.subplots()
-        labels = [f"kept: {kept.sum():,} frames", f"left out: {(~kept).sum():,} frames"]
+        labels = [f"kept: {inside.sum():,} frames", f"left out: {(~inside).sum():,} frames"]
         axes.hist(
-            [values[kept], values[~kept]],
-            edges,
+            [measured[inside], measured[~inside]],
+            edges.tolist(),
             stacked=True,
             color=COLOURS[:2],
             hatch=["", "////"],

@@ -44,7 +44,7 @@ def grid(
     with matplotlib.rc_context(SETTINGS):
         figure = new_figure(width, height + 0.55 * legend + 0.2 * bool(title))
         axes = figure.subplots(len(images), len(columns), squeeze=False, gridspec_kw={"height_ratios": shape})
-        figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, wspace=0.01, hspace=0.01)
+        figure.set_layout_engine("constrained", w_pad=0.02, h_pad=0.02, wspace=0.01, hspace=0.01)
         for number, line in enumerate(images):
             for place, image in enumerate(line):
                 panel = axes[number, place]

@@ -98,7 +98,8 @@ def estimate(image: np.ndarray) -> Airlight:
     median = np.partition(grey, grey.size // 2)[grey.size // 2]
     first = int(np.argmax(grey == median))
     row, column = int(rows[first]), int(columns[first])
-    return Airlight(*(int(level) for level in image[row, column]), row, column)
+    red, green, blue = (int(level) for level in image[row, column])
+    return Airlight(red, green, blue, row, column)
 
 
 def candidates(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -150,7 +150,7 @@ def count_zero_depth(depth: np.ndarray) -> int:
             f"depth: {wrong} values are negative or not a number, expected metres; the first is {depth[row, column]} "
             f"at row {row}, column {column}"
         )
-    return depth.size - np.count_nonzero(depth)
+    return depth.size - int(np.count_nonzero(depth))
 
 
 def _prepared(

@@ -1,136 +1,101 @@
-"""BiSeNet v1: a shallow spatial path beside a ResNet context path.
+"""BiSeNet v1 with ResNet-18, the paper's fast network; its layers are in `bisenet_layers`."""
 
-Source: Yu et al., BiSeNet: Bilateral Segmentation Network for Real-time Semantic Segmentation, ECCV 2018, with the
-channel counts of the two public formulations (the authors' own TorchSeg, and CoinCheung's).
-"""
+from functools import partial
+from typing import TYPE_CHECKING
 
-import torch
-import torch.nn.functional as functional
-from torch import Tensor, nn
-
+from foggy_synscapes.networks.backbone_names import torchvision_backbone
 from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.network import Network, resize
-from foggy_synscapes.networks.resnet import ResNet
+from foggy_synscapes.networks.declaration import Layout, NetworkEntry, by_rules
+from foggy_synscapes.networks.preprocessing import Preprocessing
+
+if TYPE_CHECKING:
+    from foggy_synscapes.networks.network import Network
+
+# The parameter names of the public formulations, yu-changqian/TorchSeg and CoinCheung/BiSeNet; only names are taken.
+TORCHSEG_RULES = (
+    (r"backbone\.(.+)", r"context_path.\1"),
+    (r"spatial\.0\.(.+)", r"spatial_path.conv_7x7.\1"),
+    (r"spatial\.([12])\.(.+)", r"spatial_path.conv_3x3_\1.\2"),
+    (r"spatial\.3\.(.+)", r"spatial_path.conv_1x1.\1"),
+    (r"whole\.(.+)", r"global_context.1.\1"),
+    (r"attention32\.features\.(.+)", r"arms.0.conv_3x3.\1"),
+    (r"attention32\.attention\.(.+)", r"arms.0.channel_attention.1.\1"),
+    (r"attention16\.features\.(.+)", r"arms.1.conv_3x3.\1"),
+    (r"attention16\.attention\.(.+)", r"arms.1.channel_attention.1.\1"),
+    (r"refine32\.(.+)", r"refines.0.\1"),
+    (r"refine16\.(.+)", r"refines.1.\1"),
+    (r"fusion\.features\.(.+)", r"ffm.conv_1x1.\1"),
+    (r"fusion\.attention\.0\.weight", r"ffm.channel_attention.1.conv.weight"),
+    (r"fusion\.attention\.2\.weight", r"ffm.channel_attention.2.conv.weight"),
+    (r"head32\.features\.(.+)", r"heads.0.conv_3x3.\1"),
+    (r"head32\.classifier\.(.+)", r"heads.0.conv_1x1.\1"),
+    (r"head16\.features\.(.+)", r"heads.1.conv_3x3.\1"),
+    (r"head16\.classifier\.(.+)", r"heads.1.conv_1x1.\1"),
+    (r"head\.features\.(.+)", r"heads.2.conv_3x3.\1"),
+    (r"head\.classifier\.(.+)", r"heads.2.conv_1x1.\1"),
+)
+
+COINCHEUNG_RULES = (
+    (r"backbone\.(.+)", r"cp.resnet.\1"),
+    (r"spatial\.0\.(.+)", r"sp.conv1.\1"),
+    (r"spatial\.1\.(.+)", r"sp.conv2.\1"),
+    (r"spatial\.2\.(.+)", r"sp.conv3.\1"),
+    (r"spatial\.3\.(.+)", r"sp.conv_out.\1"),
+    (r"whole\.(.+)", r"cp.conv_avg.\1"),
+    (r"attention(32|16)\.features\.(.+)", r"cp.arm\1.conv.\2"),
+    (r"attention(32|16)\.attention\.conv\.(.+)", r"cp.arm\1.conv_atten.\2"),
+    (r"attention(32|16)\.attention\.bn\.(.+)", r"cp.arm\1.bn_atten.\2"),
+    (r"refine(32|16)\.(.+)", r"cp.conv_head\1.\2"),
+    (r"fusion\.features\.(.+)", r"ffm.convblk.\1"),
+    (r"fusion\.attention\.(conv|bn)\.(.+)", r"ffm.\1.\2"),
+    (r"head(32|16|)\.features\.(.+)", r"conv_out\1.conv.\2"),
+    (r"head(32|16|)\.classifier\.(.+)", r"conv_out\1.conv_out.\2"),
+)
 
 
-class Unit(nn.Module):
-    """Convolution without bias, batch norm, and a ReLU unless told otherwise."""
-
-    def __init__(self, inputs: int, outputs: int, kernel: int, stride: int = 1, relu: bool = True) -> None:
-        super().__init__()
-        self.conv = nn.Conv2d(inputs, outputs, kernel, stride, padding=kernel // 2, bias=False)
-        self.bn = nn.BatchNorm2d(outputs)
-        self.relu = relu
-
-    def forward(self, x: Tensor) -> Tensor:
-        x = self.bn(self.conv(x))
-        return torch.relu_(x) if self.relu else x
+def _check(config: NetworkConfig) -> None:
+    if config.variant not in VARIANTS:
+        raise ValueError(f"variant: {config.variant!r}, expected {' or '.join(VARIANTS)}")
+    if config.decoder % 4:
+        raise ValueError(f"decoder: {config.decoder}, expected a multiple of 4")
 
 
-def pooled(x: Tensor) -> Tensor:
-    """Mean over all pixels: (B, C, H, W) -> (B, C, 1, 1)."""
-    return x.mean(dim=(2, 3), keepdim=True)
+def _build(config: NetworkConfig) -> "Network":
+    from foggy_synscapes.networks.bisenet_layers import BiSeNet
+
+    return BiSeNet(config)
 
 
-class AttentionRefinement(nn.Module):
-    """3x3 convolution whose channels are weighed by what the whole image holds."""
+TORCHSEG = Layout(
+    "torchseg",
+    "bisenet",
+    marks=(r"context_path\..+", r"spatial_path\..+"),
+    backbone=partial(torchvision_backbone, prefix="context_path."),
+    translate=by_rules(TORCHSEG_RULES),
+    settings={"variant": "torchseg"},
+    ignored=r"context_path\.fc\..+",
+)
+COINCHEUNG = Layout(
+    "coincheung",
+    "bisenet",
+    marks=(r"cp\.resnet\..+", r"sp\.conv1\..+"),
+    backbone=partial(torchvision_backbone, prefix="cp.resnet."),
+    translate=by_rules(COINCHEUNG_RULES),
+    preprocessing=Preprocessing(mean=(0.3257, 0.3690, 0.3223), std=(0.2112, 0.2148, 0.2115)),
+    settings={"variant": "coincheung"},
+)
+VARIANTS = (TORCHSEG.name, COINCHEUNG.name)
 
-    def __init__(self, inputs: int, outputs: int) -> None:
-        super().__init__()
-        self.features = Unit(inputs, outputs, 3)
-        self.attention = Unit(outputs, outputs, 1, relu=False)
-
-    def forward(self, x: Tensor) -> Tensor:
-        x = self.features(x)
-        return x * torch.sigmoid(self.attention(pooled(x)))
-
-
-class FeatureFusion(nn.Module):
-    """Joins the two paths and adds the joint channels once more, weighed by what the whole image holds.
-
-    perceptron : two 1x1 convolutions with a ReLU between give the weights (TorchSeg); otherwise one with batch norm
-    """
-
-    def __init__(self, inputs: int, outputs: int, perceptron: bool) -> None:
-        super().__init__()
-        self.features = Unit(inputs, outputs, 1)
-        if perceptron:
-            self.attention = nn.Sequential(
-                nn.Conv2d(outputs, outputs, 1, bias=False), nn.ReLU(), nn.Conv2d(outputs, outputs, 1, bias=False)
-            )
-        else:
-            self.attention = Unit(outputs, outputs, 1, relu=False)
-
-    def forward(self, spatial: Tensor, context: Tensor) -> Tensor:
-        x = self.features(torch.cat([spatial, context], dim=1))
-        return x + x * torch.sigmoid(self.attention(pooled(x)))
-
-
-class Head(nn.Module):
-    """3x3 unit and 1x1 classifier."""
-
-    def __init__(self, inputs: int, middle: int, classes: int) -> None:
-        super().__init__()
-        self.features = Unit(inputs, middle, 3)
-        self.classifier = nn.Conv2d(middle, classes, 1)
-
-    def forward(self, x: Tensor) -> Tensor:
-        return self.classifier(self.features(x))
-
-
-class BiSeNet(Network):
-    """BiSeNet v1, output stride 8, auxiliary outputs of strides 8 and 16.
-
-    The two public formulations differ in these places only (counts at `decoder` = 128):
-
-    | variant    | main head | auxiliary heads | attention of the fusion | resizing inside | of the output        |
-    |------------|-----------|-----------------|-------------------------|-----------------|----------------------|
-    | torchseg   | 64        | 256             | two convolutions        | bilinear        | corners on corners   |
-    | coincheung | 256       | 64              | convolution, batch norm | nearest         | pixel areas on areas |
-    """
-
-    def __init__(self, config: NetworkConfig) -> None:
-        super().__init__()
-        self.config = config
-        torchseg = config.variant == "torchseg"
-        self.corners = torchseg
-        width, decoder = config.width, config.decoder
-        wide, narrow = decoder * 2, decoder // 2
-        main, side = (narrow, wide) if torchseg else (wide, narrow)
-
-        self.backbone = ResNet(config.backbone, width, config.stride_in)
-        self.spatial = nn.Sequential(
-            Unit(3, width, 7, 2), Unit(width, width, 3, 2), Unit(width, width, 3, 2), Unit(width, decoder, 1)
-        )
-        deep, deepest = self.backbone.channels[2:]
-        self.whole = Unit(deepest, decoder, 1)
-        self.attention32 = AttentionRefinement(deepest, decoder)
-        self.attention16 = AttentionRefinement(deep, decoder)
-        self.refine32 = Unit(decoder, decoder, 3)
-        self.refine16 = Unit(decoder, decoder, 3)
-        self.fusion = FeatureFusion(decoder * 2, decoder * 2, perceptron=torchseg)
-        self.head = Head(decoder * 2, main, config.classes)
-        if config.auxiliary:
-            self.head16 = Head(decoder, side, config.classes)
-            self.head32 = Head(decoder, side, config.classes)
-        for name, module in self.named_modules():
-            # Tensors without storage take no values; drawing some would load the compiler, for two seconds.
-            if isinstance(module, nn.Conv2d) and not name.startswith("backbone.") and not module.weight.is_meta:
-                nn.init.kaiming_normal_(module.weight, mode="fan_in", nonlinearity="relu")
-
-    def _resize(self, x: Tensor, like: Tensor) -> Tensor:
-        size = tuple(like.shape[-2:])
-        if self.config.variant == "coincheung":
-            return functional.interpolate(x, size=size, mode="nearest")
-        return resize(x, size)
-
-    def outputs(self, images: Tensor) -> list[Tensor]:
-        _, map8, map16, map32 = self.backbone(images)
-        # The mean of the whole image is one pixel: spreading it is the same whichever way it is resized.
-        context32 = self.attention32(map32) + self.whole(pooled(map32))
-        context16 = self.refine32(self._resize(context32, map16))
-        context8 = self.refine16(self._resize(self.attention16(map16) + context16, map8))
-        logits = [self.head(self.fusion(self.spatial(images), context8))]
-        if self.training and self.config.auxiliary:
-            logits += [self.head16(context8), self.head32(context16)]
-        return logits
+NETWORK = NetworkEntry(
+    "bisenet",
+    title="BiSeNet",
+    order=1,
+    backbone="resnet18",
+    width=64,
+    decoder=128,
+    build=_build,
+    head="head32.classifier.weight",
+    sizes={"classes": ("head.classifier.weight", 0), "decoder": ("whole.conv.weight", 0)},
+    layouts=(TORCHSEG, COINCHEUNG),
+    check=_check,
+)

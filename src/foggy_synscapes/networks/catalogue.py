@@ -1,12 +1,13 @@
 """What the networks cost at their published sizes."""
 
 from dataclasses import replace
+from typing import Any
 
 import torch
 from torch import nn
 
+from foggy_synscapes.networks import NETWORKS, NetworkConfig, titles
 from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.config import PUBLISHED, NetworkConfig
 
 SIZE = (512, 1024)  # pixels, rows and columns, at which networks of this field are compared
 
@@ -38,7 +39,7 @@ def parameters(config: NetworkConfig) -> int:
         return build(config).parameter_count()
 
 
-def catalogue() -> list[dict[str, object]]:
+def catalogue() -> list[dict[str, Any]]:
     """One entry per network at its published size, in the order of the paper's tables."""
     return [
         {
@@ -48,5 +49,5 @@ def catalogue() -> list[dict[str, object]]:
             "parameters_without_auxiliary_heads": parameters(replace(config, auxiliary=False)),
             "multiply_adds_1024x512": multiply_adds(config),
         }
-        for name, config in PUBLISHED.items()
+        for name, config in ((name, NETWORKS[name].published) for name in titles())
     ]

@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from foggy_synscapes.networks.config import STRIDE, NetworkConfig
 
 
-def resize(maps: Tensor, size: tuple[int, int], corners: bool = True) -> Tensor:
+def resize(maps: Tensor, size: tuple[int, ...], corners: bool = True) -> Tensor:
     """Bilinear resizing (B, C, h, w) -> (B, C, H, W); `corners`: centres of corner pixels stay on each other."""
     if tuple(maps.shape[-2:]) == tuple(size):
         return maps

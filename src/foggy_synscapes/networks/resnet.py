@@ -12,6 +12,8 @@ from foggy_synscapes.networks.config import BACKBONES
 class Block(nn.Module):
     """A residual block: two 3x3 convolutions, or a bottleneck of 1x1, 3x3 and 1x1 with four times the channels."""
 
+    downsample: nn.Sequential | None
+
     def __init__(self, inputs: int, channels: int, stride: int, bottleneck: bool, stride_in: str) -> None:
         super().__init__()
         outputs = channels * 4 if bottleneck else channels

@@ -1,5 +1,1 @@
-"""The stand-in's street renderer: arrays out, decided by a seed alone."""
-
-from foggy_synscapes.standin.render import Scene, render
-
-__all__ = ["Scene", "render"]
+"""The stand-in's street renderer: arrays out, decided by a seed alone; and what stands in for each dataset."""

@@ -8,6 +8,8 @@ hidden or not, for the metadata.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -132,11 +134,8 @@ class Canvas:
         lights = [0.0] * len(planes)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             for number, (nx, ny, nz, c) in enumerate(planes):
-                along = None
-                for weight, ray in ((nx, lx), (ny, dy), (nz, lz)):
-                    if weight:
-                        part = ray if weight == 1 else ray * np.float32(weight)
-                        along = part if along is None else along + part
+                weighed = [(weight, ray) for weight, ray in ((nx, lx), (ny, dy), (nz, lz)) if weight]
+                along = reduce(add, [ray if weight == 1 else ray * np.float32(weight) for weight, ray in weighed])
                 gap = np.float32(c - (nx * ox + ny * py + nz * oz))
                 distance = gap / along
                 if gap >= 0:  # the camera is behind this plane: rays can only leave through it
@@ -233,9 +232,15 @@ class Canvas:
             self.traces[instance] = Trace(label, np.zeros(self.rows * self.columns, bool))
         return self.traces[instance]
 
-    def _paint(self, pixels, depth, rgb, label, instance) -> None:
+    def _paint(
+        self,
+        pixels: np.ndarray,
+        depth: np.ndarray,
+        rgb: np.ndarray,
+        label: int | np.ndarray,
+        instance: int | np.ndarray,
+    ) -> None:
         # Instances come with every pixel of theirs, seen or not; the rest of a solid has been tested already.
-        several = isinstance(label, np.ndarray)
         numbers = np.unique(instance) if isinstance(instance, np.ndarray) else [instance]
         for number in numbers:
             mine = instance == number if isinstance(instance, np.ndarray) else slice(None)
@@ -244,10 +249,10 @@ class Canvas:
                 trace.extent[pixels[mine]] = True
                 trace.near = min(trace.near, float(depth[mine].min()))
                 trace.far = max(trace.far, float(depth[mine].max()))
-        if several or instance:
+        if isinstance(label, np.ndarray) or isinstance(instance, np.ndarray) or instance:
             front = depth < self.depth[pixels]
             pixels, depth, rgb = pixels[front], depth[front], rgb[front]
-            if several:
+            if isinstance(label, np.ndarray):
                 label = label[front]
             if isinstance(instance, np.ndarray):
                 instance = instance[front]

@@ -11,13 +11,6 @@ from foggy_synscapes.standin.camera import Rig
 from foggy_synscapes.standin.noise import upsample
 from foggy_synscapes.standin.render import Scene
 
-DRIVING_BETAS = (0.008, 0.013, 0.017, 0.026, 0.045)
-ZURICH_BETAS = (0.007, 0.012, 0.016, 0.024, 0.036)
-"""1/m, none of them a training beta (0.005, 0.01, 0.02, 0.03, 0.06)."""
-
-DENSE = 0.04
-"""1/m from which a Foggy Driving frame counts as densely foggy: about one of five, as in the real set (21 of 101)."""
-
 UNEVENNESS = 0.22
 """Standard deviation of the local beta, as a share of the mean: mild, as fog banks on a street are."""
 

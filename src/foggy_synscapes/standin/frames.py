@@ -1,19 +1,15 @@
-"""The frames of each stand-in dataset as arrays, each decided by the seed, the dataset's stream and its number."""
+"""Frames of the stand-in as arrays, each decided by the seed, its dataset's stream and its number."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from foggy_synscapes.standin import annotate, stereo
-from foggy_synscapes.standin import fog as haze
+from foggy_synscapes.standin import fog, stereo
 from foggy_synscapes.standin.render import Scene, render
 from foggy_synscapes.standin.sky import is_blue
 
-SYNSCAPES, CITYSCAPES_TRAIN, CITYSCAPES_VAL, DRIVING_FINE, DRIVING_COARSE, ZURICH = 1, 2, 3, 11, 12, 13
-"""Streams of random numbers: no frame of one shares a scene with a frame of another."""
-
-SIZES = ((1.0, 1.0), (1.25, 0.9), (1.1, 1.05), (1.32, 0.88), (1.0, 0.92))
-"""Sizes of Foggy Driving frames as shares of the stand-in's rows and columns: phones and the web differ."""
+SYNSCAPES, CITYSCAPES_TRAIN, CITYSCAPES_VAL = 1, 2, 3
+"""Streams of random numbers: no frame of one shares a scene with a frame of another. Each test set has its own."""
 
 
 @dataclass(frozen=True)
@@ -50,23 +46,8 @@ def refined(seed: int, stream: int, frames: int, count: int) -> list[int]:
     return [fitting[k * len(fitting) // count] for k in range(count)]
 
 
-def foggy_driving(seed: int, frame: int, size: tuple[int, int], coarse: bool) -> Photograph:
-    """Frame `frame` (from 0) of the finely or coarsely annotated part; its size varies from frame to frame."""
-    key = (seed, DRIVING_COARSE if coarse else DRIVING_FINE, frame)
-    rows, columns = SIZES[int(np.random.default_rng((*key, 2)).integers(len(SIZES)))]
-    own = max(16, round(size[0] * rows)), max(16, round(size[1] * columns))
-    shot = _photograph(key, own, haze.DRIVING_BETAS[frame % len(haze.DRIVING_BETAS)], trains=True)
-    labels = annotate.coarsen(shot.label_ids) if coarse else shot.label_ids
-    return Photograph(shot.rgb, labels, shot.instances, shot.beta)
-
-
-def foggy_zurich(seed: int, frame: int, size: tuple[int, int]) -> Photograph:
-    """Frame `frame` (from 0), 16 : 9 and without trains."""
-    own = max(16, round(size[1] * 9 / 16)), size[1]
-    return _photograph((seed, ZURICH, frame), own, haze.ZURICH_BETAS[frame % len(haze.ZURICH_BETAS)], trains=False)
-
-
-def _photograph(key: tuple[int, ...], size: tuple[int, int], beta: float, trains: bool) -> Photograph:
+def photograph(key: tuple[int, ...], size: tuple[int, int], beta: float, trains: bool) -> Photograph:
+    """A test frame of (seed, stream, number), in fog of beta in 1/m; `trains`: whether there may be any."""
     scene = render(key, size, "real", overcast=True, trains=trains)
-    rgb = haze.photograph(scene, beta, np.random.default_rng((*key, 1)))
+    rgb = fog.photograph(scene, beta, np.random.default_rng((*key, 1)))
     return Photograph(rgb, scene.label_ids, scene.instances, beta)

@@ -33,21 +33,21 @@ def paint_furniture(canvas: Canvas, street: Street, rng: np.random.Generator, we
     for side in (-1, 1):
         inner, outer = sorted(street.pavement(side), key=abs)
         edge = inner + side * 0.45
-        for z in np.arange(rng.uniform(9, 22), 100, rng.uniform(20, 28)):
+        for z in np.arange(rng.uniform(9, 22), 100, rng.uniform(20, 28)).tolist():
             if rng.random() < 0.85:
-                _lamp(canvas, street, edge, float(z), side, rng)
+                _lamp(canvas, street, edge, z, side, rng)
         for _ in range(rng.integers(2, 6)):
             _sign(canvas, edge + side * float(rng.uniform(0, 0.6)), _along(street, rng, 8, 60), street.curb_height, rng)
         if rng.random() < 0.45:
-            trees = np.arange(rng.uniform(10, 24), 110, rng.uniform(9, 16))
+            trees = np.arange(rng.uniform(10, 24), 110, rng.uniform(9, 16)).tolist()
         else:
-            trees = rng.uniform(12, 90, rng.integers(1, 4))
+            trees = rng.uniform(12, 90, rng.integers(1, 4)).tolist()
         behind = street.verges[0 if side < 0 else 1]
         for z in trees:
             x = outer + side * behind * 0.5 if behind else edge + side * 0.4
             # Near trees would hide the little blue sky that a street shows.
             if not street.crossed(z - 1, z + 1) and not (weather.blue and z < 40):
-                _tree(canvas, float(x), float(z), 0.0 if behind else street.curb_height, int(rng.integers(6)), rng)
+                _tree(canvas, float(x), z, 0.0 if behind else street.curb_height, int(rng.integers(6)), rng)
         for _ in range(rng.integers(0, 4) if behind else 0):
             _tree(
                 canvas,
@@ -87,7 +87,9 @@ def paint_furniture(canvas: Canvas, street: Street, rng: np.random.Generator, we
 
 def _along(street: Street, rng: np.random.Generator, first: float, last: float) -> float:
     z = float(first + (last - first) * rng.random() ** 1.4)
-    return z if not street.crossed(z - 1, z + 1) else max(6.0, street.crossing - 2.0)
+    if street.crossing is None or not street.crossed(z - 1, z + 1):
+        return z
+    return max(6.0, street.crossing - 2.0)
 
 
 def _lamp(canvas: Canvas, street: Street, x: float, z: float, side: int, rng: np.random.Generator) -> None:

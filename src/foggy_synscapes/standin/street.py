@@ -6,7 +6,7 @@ import numpy as np
 
 from foggy_synscapes.labels import CLASSES, LABEL_IDS
 from foggy_synscapes.standin import textures
-from foggy_synscapes.standin.canvas import FARTHEST, Canvas, Solid
+from foggy_synscapes.standin.canvas import FARTHEST, Canvas, Shader, Solid
 from foggy_synscapes.standin.noise import noise
 from foggy_synscapes.standin.sky import Weather
 from foggy_synscapes.standin.textures import colour
@@ -187,7 +187,7 @@ def paint_houses(
         while z < 150:
             length = float(rng.uniform(8, 22))
             kind = rng.random()
-            if street.crossed(z - 1, z + length + 1):
+            if street.crossing is not None and street.crossed(z - 1, z + length + 1):
                 if z < street.crossing - 6 and kind < 0.75:
                     length = street.crossing - 2 - z
                 else:
@@ -241,7 +241,17 @@ def paint_houses(
     return built
 
 
-def _house(canvas, side, front, z, length, height, rng, weather, grain) -> None:
+def _house(
+    canvas: Canvas,
+    side: int,
+    front: float,
+    z: float,
+    length: float,
+    height: float,
+    rng: np.random.Generator,
+    weather: Weather,
+    grain: float,
+) -> None:
     deep = float(rng.uniform(10, 14))
     x0, x1 = (front - deep, front) if side < 0 else (front, front + deep)
     canvas.solid(
@@ -258,7 +268,18 @@ def _house(canvas, side, front, z, length, height, rng, weather, grain) -> None:
         canvas.solid(eaves, (0, 0, 0), tiles, ID["building"])
 
 
-def _plot(canvas, side, front, z, length, heights, built, rng, grain, green) -> None:
+def _plot(
+    canvas: Canvas,
+    side: int,
+    front: float,
+    z: float,
+    length: float,
+    heights: dict[str, float],
+    built: dict[str, float],
+    rng: np.random.Generator,
+    grain: float,
+    green: Shader,
+) -> None:
     # An unbuilt plot: closed off by a wall, a fence or a hedge, with bushes behind.
     kind = str(rng.choice(["wall", "fence", "hedge"]))
     _boundary(canvas, kind, side, front, z, z + length, heights, built, rng, grain, green)
@@ -267,7 +288,19 @@ def _plot(canvas, side, front, z, length, heights, built, rng, grain, green) -> 
     canvas.solid(Solid((x0, 0, z), (x1, float(rng.uniform(2.0, 5.0)), z + length)), (0, 0, 0), green, ID["vegetation"])
 
 
-def _boundary(canvas, kind, side, x, z0, z1, heights, built, rng, grain, green) -> None:
+def _boundary(
+    canvas: Canvas,
+    kind: str,
+    side: int,
+    x: float,
+    z0: float,
+    z1: float,
+    heights: dict[str, float],
+    built: dict[str, float],
+    rng: np.random.Generator,
+    grain: float,
+    green: Shader,
+) -> None:
     if kind == "hedge":
         height, shader, label = 1.3, green, ID["vegetation"]
     else:

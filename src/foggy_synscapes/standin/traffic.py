@@ -106,10 +106,10 @@ def place_vehicles(
     for x, side in ((street.left_parking, -1), (street.right_parking, 1)):
         if not x:
             continue
-        for z in np.arange(rng.uniform(6, 10), 60, step):
+        for z in np.arange(rng.uniform(6, 10), 60, step).tolist():
             if rng.random() < street.parking_presence and not street.crossed(z - 6, z + 6):
                 name = "truck" if rng.random() < 0.03 and not turn else "car"
-                put(name, x, float(z), side * turn if side > 0 else math.pi + turn)
+                put(name, x, z, side * turn if side > 0 else math.pi + turn)
     return placed
 
 

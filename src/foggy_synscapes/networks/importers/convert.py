@@ -2,17 +2,18 @@
 
 import re
 from dataclasses import dataclass, replace
+from typing import Any
 
 import torch
 from torch import Tensor
 
+from foggy_synscapes.networks import NETWORKS, NetworkConfig
 from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.config import PUBLISHED, NetworkConfig
-from foggy_synscapes.networks.importers.layouts import LAYOUTS, Layout, backbone_of, detect
-from foggy_synscapes.networks.weights import Preprocessing
+from foggy_synscapes.networks.declaration import Layout
+from foggy_synscapes.networks.importers.layouts import detect, layouts
+from foggy_synscapes.networks.preprocessing import Preprocessing
 
 WRAPPERS = ("module.", "model.", "network.")  # what wrapped modules put before every name
-CAFFE_NAMED = ("caffe", "matconvnet")  # layouts of networks that were trained in, or began from, Caffe's ResNet
 COUNTER = "num_batches_tracked"  # of batch norm; files older than PyTorch 0.4.1 lack it, and nothing here reads it
 
 
@@ -40,8 +41,8 @@ def convert(tensors: dict[str, Tensor], network: str, layout: str = "auto") -> I
     Parameters
     ----------
     tensors : as read from the file
-    network : "refinenet" or "bisenet": the network that they are for
-    layout : key of `LAYOUTS`, or "auto" to tell it by the names. "caffe" where the names are torchvision's means a
+    network : the network that they are for, one of `NETWORKS`
+    layout : one of `layouts()`, or "auto" to tell it by the names. "caffe" where the names are torchvision's means a
         backbone converted from Caffe: its preprocessing differs, and so does the place of the stride in a bottleneck
 
     Raises
@@ -49,16 +50,17 @@ def convert(tensors: dict[str, Tensor], network: str, layout: str = "auto") -> I
     ValueError
         If the layout is unknown or is that of another network, or the sizes tell no architecture.
     """
-    if layout != "auto" and layout not in LAYOUTS:
-        raise ValueError(f"layout: {layout!r}, expected auto or one of {', '.join(LAYOUTS)}")
+    known = layouts()
+    if layout != "auto" and layout not in known:
+        raise ValueError(f"layout: {layout!r}, expected auto or one of {', '.join(known)}")
     tensors = unwrapped(tensors)
     found = detect(tensors)
-    wanted = found if layout == "auto" else LAYOUTS[layout]
+    wanted = found if layout == "auto" else known[layout]
     if wanted is not found and (wanted.name, found.name) != ("caffe", "torchvision"):
         raise ValueError(f"layout: {wanted.name} was asked for, but the names are those of {found.name}")
     if found.network not in (None, network):
         raise ValueError(f"these are weights of {found.network} (layout {found.name}), not of {network}")
-    config = replace(_config(tensors, network, found), stride_in="1x1" if wanted.name in CAFFE_NAMED else "3x3")
+    config = replace(_config(tensors, network, found), **wanted.settings)
     return _placed(tensors, config, found, wanted.preprocessing)
 
 
@@ -72,37 +74,21 @@ def unwrapped(tensors: dict[str, Tensor]) -> dict[str, Tensor]:
 
 def _config(tensors: dict[str, Tensor], network: str, layout: Layout) -> NetworkConfig:
     """The architecture that the names and sizes of a file tell."""
+    entry = NETWORKS[network]
 
     def size(ours: str, axis: int) -> int:
-        theirs = layout.translate(ours, PUBLISHED[network])
+        theirs = layout.translate(ours, entry.published)
         if theirs not in tensors:
             raise ValueError(f"{theirs}: missing, and with it the size of the network. Is the file whole?")
         return tensors[theirs].shape[axis]
 
-    config = replace(
-        PUBLISHED[network],
-        backbone=_caffe_backbone(tensors) if layout.name in CAFFE_NAMED else backbone_of(tensors, layout.backbone),
-        width=size("backbone.conv1.weight", 0),
-    )
-    if layout.network == "refinenet":
-        return replace(config, classes=size("head.weight", 0), decoder=size("head.weight", 1))
-    if layout.network == "bisenet":
-        return replace(
-            config,
-            classes=size("head.classifier.weight", 0),
-            decoder=size("whole.conv.weight", 0),
-            auxiliary=layout.translate("head32.classifier.weight", config) in tensors,
-            variant=layout.name,
-        )
-    return config
-
-
-def _caffe_backbone(tensors: dict[str, Tensor]) -> str:
-    blocks = {re.match(r"res\d[a-z]\d*_", name)[0] for name in tensors if re.match(r"res\d[a-z]\d*_", name)}
-    found = {16: "resnet50", 33: "resnet101"}.get(len(blocks))
-    if found is None:
-        raise ValueError(f"backbone of {len(blocks)} blocks: expected the 16 of ResNet-50 or the 33 of ResNet-101")
-    return found
+    backbone, width = layout.backbone(tensors), size("backbone.conv1.weight", 0)
+    config = replace(entry.published, backbone=backbone, width=width)
+    if layout.network is None:
+        return config
+    auxiliary = entry.head is not None and layout.translate(entry.head, config) in tensors
+    sizes: dict[str, Any] = {key: size(*place) for key, place in entry.sizes.items()}
+    return replace(config, auxiliary=auxiliary, **sizes)
 
 
 def _placed(
