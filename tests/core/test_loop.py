@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("one_thread")
 
 BISENET = NetworkConfig("bisenet", "resnet18", width=8, decoder=4, classes=4)
 REFINENET = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, classes=4, auxiliary=False)
-POLICY = replace(policies.POLICY, learning_rate=0.05, batch=2, new_layer_rate=2.0)
+POLICY = policies.changed(policies.POLICY, learning_rate=0.05, batch=2, new_layer_rate=2.0)
 PLAN = loop.Plan(steps=10, validate_every=4, curve_every=3, snapshot_every=1, seed=5, workers=0)
 
 
@@ -128,7 +128,7 @@ def test_the_lowest_validation_loss_is_what_is_kept():
 
 def test_loss_falls_and_the_curve_is_complete():
     plan = replace(PLAN, steps=40, validate_every=20, curve_every=10, snapshot_every=100)
-    policy = replace(POLICY, batch=5, crop=(64, 64), scale=(1.0, 1.0), loss_stride=2)
+    policy = policies.changed(POLICY, batch=5, crop=(64, 64), scale=(1.0, 1.0), loss_stride=2)
     _, curve = train(replace(BISENET, width=8), policy, plan)
     assert [row[0] for row in curve] == [10, 20, 30, 40]
     assert [row[1] for row in curve] == [10, 20, 30, 40]
@@ -139,9 +139,9 @@ def test_loss_falls_and_the_curve_is_complete():
 
 
 def test_accumulated_passes_keep_the_samples_of_a_step():
-    policy = replace(POLICY, freeze_batch_norm=True, loss="cross_entropy", learning_rate=0.01)
+    policy = policies.changed(POLICY, freeze_batch_norm=True, loss="cross_entropy", learning_rate=0.01)
     _, whole = train(policy=policy)
-    _, parts = train(policy=replace(policy, accumulate=2))
+    _, parts = train(policy=policies.changed(policy, accumulate=2))
     # Not the same number of labelled pixels in each half, so the means differ a little.
     assert [row[3] for row in parts] == pytest.approx([row[3] for row in whole], rel=0.05)
 
@@ -167,12 +167,12 @@ def test_bfloat16_stays_near_float32():
 
 def test_diverged_loss_names_step_and_images():
     with pytest.raises(NotFiniteError, match=r"at step \d+, on image \d, image \d"):
-        train(policy=replace(POLICY, learning_rate=1e30))
+        train(policy=policies.changed(POLICY, learning_rate=1e30))
 
 
 def test_batch_larger_than_the_list_is_an_error():
     with pytest.raises(ValueError, match="batch: 6 images a step, but the list has 5"):
-        train(policy=replace(POLICY, batch=6))
+        train(policy=policies.changed(POLICY, batch=6))
 
 
 def test_zero_iterations_are_an_error():

@@ -9,6 +9,7 @@ from foggy_synscapes import params
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.params.training import Duration
+from foggy_synscapes.schema import beta_name
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -59,6 +60,10 @@ def test_each_shipped_file_is_good(name: str) -> None:
         ("train.threads", "many", "train.threads"),
         ("train.seeds", ["0", "00"], "train.seeds: each once"),
         ("train.networks", ["bisenet", "bisenet"], "train.networks: each once"),
+        ("train.networks", ["bisnet"], "networks: bisnet is no network; there are bisenet, refinenet"),
+        ("train.precision", "measured", "train.precision"),
+        ("plugins", "nowhere", "plugins: nowhere is no folder"),
+        ("plugins", 3, "plugins: "),
         ("evaluate.test_sets", ["foggy_zurich", "foggy_zurich"], "evaluate.test_sets: each once"),
         ("train.bisenet.baseline.learning_rate", float("inf"), "train.bisenet.baseline.learning_rate"),
         ("filter.rules", [{"key": "sky_contrast", "maximum": float("nan")}], "filter.rules.0.maximum"),
@@ -75,10 +80,25 @@ def test_a_wrong_value_is_named_by_its_key(document: dict, key: str, value: obje
     assert str(caught.value).startswith("params.yaml: ")
 
 
-def test_a_missing_section_is_named(document: dict) -> None:
-    del document["fog"]
-    with pytest.raises(FoggyError, match="fog: missing"):
-        params.check(document, "params.yaml")
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("treads", "train.treads: unknown key; did you mean threads?"),
+        ("bisnet", "train.bisnet: unknown key; did you mean bisenet?"),
+    ],
+)
+@pytest.mark.parametrize("value", [3, {"width": 16}])
+def test_a_misspelt_network_or_key_of_train_is_told_apart_from_settings(key: str, value: object, message: str) -> None:
+    with pytest.raises(FoggyError) as caught:
+        params.check({"train": {key: value, "threads": 0}}, "params.yaml")
+    first, second = str(caught.value).splitlines()
+    assert message in first
+    assert "train.threads" in second
+
+
+def test_what_has_no_default_is_named_where_it_is_missing() -> None:
+    with pytest.raises(FoggyError, match=r"subset\.clear\.C\.validation: missing"):
+        params.check({"subset": {"clear": {"C": {"train": 1}}}}, "params.yaml")
 
 
 @pytest.mark.parametrize(
@@ -108,7 +128,7 @@ def test_a_missing_file_says_where_others_are(tmp_path: Path) -> None:
     ("text", "name"), [("0.06", "0.06"), ("1e-12", "0.000000000001"), ("1", "1.0"), ("0.0100", "0.01")]
 )
 def test_a_beta_has_one_spelling(text: str, name: str) -> None:
-    assert params.beta_name(text) == name
+    assert beta_name(text) == name
 
 
 def test_fifty_epochs_of_498_images_are_the_papers_6250_iterations() -> None:

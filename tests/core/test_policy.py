@@ -1,13 +1,11 @@
 """Schedules and parameter groups follow the policy to the letter."""
 
-from dataclasses import replace
-
 import pytest
-from policies import POLICY
+from policies import POLICY, changed
 
 from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
-from foggy_synscapes.training.policy import parameter_groups, set_training
+from foggy_synscapes.training.parameters import parameter_groups, set_training
 
 
 @pytest.fixture
@@ -22,7 +20,7 @@ def test_poly_begins_at_the_full_rate_and_ends_above_zero():
 
 
 def test_constant_stays():
-    assert {replace(POLICY, schedule="constant").rate(step, 10) for step in range(10)} == {0.01}
+    assert {changed(POLICY, schedule="constant").rate(step, 10) for step in range(10)} == {0.01}
 
 
 @pytest.mark.parametrize("step", [-1, 100])
@@ -47,7 +45,7 @@ def test_every_parameter_is_in_one_group_with_its_rate_and_decay(network):
 
 
 def test_frozen_batch_norm_neither_learns_nor_counts(network):
-    set_training(network, replace(POLICY, freeze_batch_norm=True))
+    set_training(network, changed(POLICY, freeze_batch_norm=True))
     assert network.training
     assert not network.backbone.bn1.training
     grouped = {id(p) for group in parameter_groups(network, POLICY) for p in group["params"]}

@@ -1,7 +1,5 @@
 """Two processes together compute what one computes on the whole batch."""
 
-from dataclasses import replace
-
 import numpy as np
 import policies
 import processes
@@ -23,8 +21,10 @@ BISENET = NetworkConfig("bisenet", "resnet18", width=8, decoder=4, classes=4)
 REFINENET = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, classes=4, auxiliary=False)
 # Of BiSeNet the fewest hard pixels count, and each process has its own; its batch norm learns. RefineNet drops out.
 # At this rate rounding grows to 3e-6 in the second step, and gradients that are wrong by a tenth change it by 5e-4.
-HARD = replace(policies.POLICY, learning_rate=1e-4, batch=4, ohem_threshold=0.01, ohem_kept=0.3, new_layer_rate=1.0)
-FROZEN = replace(policies.POLICY, batch=4, accumulate=2, loss="cross_entropy", freeze_batch_norm=True)
+HARD = policies.changed(
+    policies.POLICY, learning_rate=1e-4, batch=4, ohem_threshold=0.01, ohem_kept=0.3, new_layer_rate=1.0
+)
+FROZEN = policies.changed(policies.POLICY, batch=4, accumulate=2, loss="cross_entropy", freeze_batch_norm=True)
 
 
 class Samples:
@@ -139,7 +139,7 @@ def fails(ranks, kind):
     if kind == "other settings":
         train(ranks, REFINENET, FROZEN, settings={"seed": ranks.rank})
     elif kind == "diverged":
-        train(ranks, REFINENET, replace(FROZEN, learning_rate=1e30))
+        train(ranks, REFINENET, policies.changed(FROZEN, learning_rate=1e30))
     elif ranks.rank == 1:
         raise ValueError("only here")
 

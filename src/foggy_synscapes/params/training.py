@@ -1,103 +1,57 @@
-"""The params section `train`, and what all sections are made of."""
+"""The params section `train`."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
-Network = Literal["refinenet", "bisenet"]
-# Names become folders and words of a command line, so they are kept to what is harmless in both.
-RowName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9-]{0,63}$")]
-SeedName = Annotated[str, Field(pattern=r"^[0-9]{1,9}$")]
-Count = Annotated[int, Field(ge=1)]
-
-
-class Section(BaseModel):
-    """A part of the params file: unknown keys are errors, values do not change after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Duration(Section):
-    """A number of epochs or of iterations."""
-
-    epochs: Count | None = None
-    iterations: Count | None = None
-
-    @model_validator(mode="after")
-    def _one_of_both(self) -> "Duration":
-        if (self.epochs is None) == (self.iterations is None):
-            raise ValueError("give either epochs or iterations")
-        return self
-
-    def steps(self, images: int, batch: int) -> int:
-        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
-        return self.iterations if self.iterations is not None else self.epochs * -(-images // batch)
-
-
-class Policy(Section):
-    """How a network is trained."""
-
-    learning_rate: Annotated[FiniteFloat, Field(gt=0)]
-    schedule: Literal["poly", "constant"]
-    power: Annotated[FiniteFloat, Field(gt=0)]
-    momentum: Annotated[FiniteFloat, Field(ge=0, lt=1)]
-    weight_decay: Annotated[FiniteFloat, Field(ge=0)]
-    norm_weight_decay: Annotated[FiniteFloat, Field(ge=0)]
-    batch: Count
-    accumulate: Count
-    crop: tuple[Count, Count]
-    scale: tuple[Annotated[FiniteFloat, Field(gt=0)], Annotated[FiniteFloat, Field(gt=0)]]
-    flip: bool
-    class_balance: bool
-    loss: Literal["cross_entropy", "ohem"]
-    ohem_threshold: Annotated[FiniteFloat, Field(gt=0, lt=1)]
-    ohem_kept: Annotated[FiniteFloat, Field(ge=0, le=1)]
-    auxiliary_weight: Annotated[FiniteFloat, Field(ge=0)]
-    loss_stride: Literal[1, 2, 4, 8]
-    backbone_rate: Annotated[FiniteFloat, Field(gt=0)]
-    new_layer_rate: Annotated[FiniteFloat, Field(gt=0)]
-    freeze_batch_norm: bool
-
-    @model_validator(mode="after")
-    def _consistent(self) -> "Policy":
-        if self.batch % self.accumulate:
-            raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
-        if self.scale[0] > self.scale[1]:
-            raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
-        return self
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.networks import NETWORKS
+from foggy_synscapes.params.names import NetworkName, RowName, SeedName
+from foggy_synscapes.schema import Section, setting
+from foggy_synscapes.training.policy import BASELINE, Duration, Policy
 
 
 class BaselinePolicy(Policy):
     """How a network is trained from its own weights; names its length too."""
 
-    length: Duration
-    validate_: Annotated[Duration, Field(alias="validate")]
+    length: Duration = setting("how long it trains")
+    validate_: Duration = setting("how often it is validated", alias="validate")
 
 
 class Start(Section):
     """What a network starts from in one row, and how it is trained there: by its baseline's policy unless told."""
 
-    weights: str
-    policy: Policy | None = None
+    weights: str = setting("none (random start) or a file made by `foggy weights import`")
+    policy: Policy | None = setting("with the keys of fine_tuning; null: that of the network's baseline", default=None)
 
 
 class Row(Section):
     """How long a row trains, how often it is validated and, where it starts from weights, from which."""
 
-    length: Duration
-    validate_: Annotated[Duration, Field(alias="validate")]
-    start: dict[Network, Start] = {}
+    inline = True
+
+    length: Duration = setting("how long it trains")
+    validate_: Duration = setting("how often it is validated", alias="validate")
+    start: dict[NetworkName, Start] = setting(
+        "of a row in from_weights: what a network starts from there, instead of its own weights",
+        default={},
+        key="NETWORK",
+    )
 
 
 class NetworkSettings(Section):
     """Shape and policies of one network."""
 
-    backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"]
-    width: Annotated[int, Field(ge=8)]  # networks.config.NARROWEST, which not every command has to depend on
-    decoder: Annotated[int, Field(ge=4)]
-    weights: str
-    baseline: BaselinePolicy | None
-    fine_tuning: Policy
+    backbone: Literal["resnet18", "resnet34", "resnet50", "resnet101"] = setting("ResNet (He et al. 2016)")
+    width: int = setting("of the first stage", unit="channels", ge=8)  # networks.config.NARROWEST
+    decoder: int = setting(
+        "RefineNet: of the three upper decoder levels, the deepest has twice as many; BiSeNet: of attention refinement",
+        unit="channels",
+        ge=4,
+    )
+    weights: str = setting("none (random start) or a file made by `foggy weights import`")
+    baseline: BaselinePolicy | None = setting("row C; null takes the model in weights itself for it")
+    fine_tuning: Policy = setting("rows that start from the baseline")
 
     @model_validator(mode="after")
     def _baseline_from_somewhere(self) -> "NetworkSettings":
@@ -107,25 +61,44 @@ class NetworkSettings(Section):
 
 
 class Train(Section):
-    """The grid of trainings."""
+    """The grid of trainings. Each further key is the name of a network and holds its settings."""
 
-    threads: Count
-    workers: Annotated[int, Field(ge=0)]
-    cache: Annotated[int, Field(ge=0)]
-    device: Literal["cpu", "cuda"]
-    precision: Literal["float32", "bfloat16", "measured"]
-    memory_format: Literal["channels_last", "contiguous", "measured"]
-    compile: bool
-    curve: Count
-    live: list[Literal["dvclive", "tensorboard"]]
-    snapshot: Count
-    seeds: Annotated[list[SeedName], Field(min_length=1)]
-    networks: Annotated[list[Network], Field(min_length=1)]
-    from_weights: list[RowName]
-    from_baseline: list[RowName]
-    rows: dict[RowName, Row | None]
-    refinenet: NetworkSettings
-    bisenet: NetworkSettings
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, NetworkSettings] = Field(init=False)
+
+    threads: int = setting("CPU threads of a job: part of what makes its bytes, so not the engine's --cores", ge=1)
+    workers: int = setting("loader processes; 0 loads in the training process", ge=0)
+    cache: int = setting(
+        "of decoded images and labels kept in memory; larger lists are read again each time", unit="MiB", ge=0
+    )
+    device: Literal["cpu", "cuda"] = setting("where networks are trained")
+    precision: Literal["float32", "bfloat16"] = setting("of the networks' arithmetic")
+    memory_format: Literal["channels_last", "contiguous"] = setting(
+        "of images in memory; with channels_last BiSeNet was 10 to 20 %, RefineNet 30 % faster on a CPU"
+    )
+    compile: bool = setting("torch.compile: a first step of up to minutes, then faster ones")
+    curve: int = setting("between rows of curves.csv", unit="iterations", ge=1)
+    live: list[Literal["dvclive", "tensorboard"]] = setting("where else curves are shown while training (README)")
+    snapshot: int = setting("between snapshots that an interrupted training goes on from", unit="iterations", ge=1)
+    seeds: list[SeedName] = setting("one whole grid per seed, quoted", min_length=1)
+    networks: list[NetworkName] = setting("trained; each has its settings in a section of its name", min_length=1)
+    from_weights: list[RowName] = setting("rows that start from a network's own weights")
+    from_baseline: list[RowName] = setting("rows that start from the selected snapshot of C")
+    rows: dict[RowName, Row | None] = setting(
+        "how long a row trains and how often it is validated; null: as the baseline of each network says", key="ROW"
+    )
+
+    @model_validator(mode="after")
+    def _networks_are_there(self) -> "Train":
+        asked = [("networks", name) for name in self.networks]
+        asked += [(f"rows.{row}.start", name) for row, entry in self.rows.items() if entry for name in entry.start]
+        for place, name in asked:
+            if name not in NETWORKS.names():
+                raise ValueError(f"{place}: {name} is no network; there are {', '.join(NETWORKS.names())}")
+        missing = [name for name in self.networks if name not in self.settings]
+        if missing:
+            raise ValueError(f"networks: {missing[0]} has no settings; state them as train.{missing[0]}")
+        return self
 
     @model_validator(mode="after")
     def _rows_are_complete(self) -> "Train":
@@ -144,23 +117,33 @@ class Train(Section):
                         f"rows.{name}.start.{network}.policy: missing; train.{network}.baseline, which would stand for "
                         "it, is null"
                     )
-        if self.from_baseline and "C" not in self.from_weights:
-            raise ValueError("from_weights: row C is missing, from which the rows in from_baseline start")
+        if self.from_baseline and BASELINE not in self.from_weights:
+            raise ValueError(f"from_weights: row {BASELINE} is missing, from which the rows in from_baseline start")
         return self
 
-    def policy(self, network: Network, row: RowName) -> Policy | None:
-        """How a network is trained in a row; None where its weights are the row's model as they are."""
-        settings: NetworkSettings = getattr(self, network)
-        if row in self.from_baseline:
-            return settings.fine_tuning
-        start = self._start(network, row)
-        return start.policy if start is not None and start.policy is not None else settings.baseline
+    @property
+    def settings(self) -> dict[str, NetworkSettings]:
+        """Settings by network, also of networks that are not trained."""
+        return self.__pydantic_extra__
 
-    def weights(self, network: Network, row: RowName) -> str:
+    def network(self, name: str) -> NetworkSettings:
+        """Settings of a network; raises FoggyError if there are none."""
+        if name not in self.settings:
+            raise FoggyError(f"{name}: has no settings in the params section train; {', '.join(self.settings)} have")
+        return self.settings[name]
+
+    def policy(self, network: str, row: str) -> Policy | None:
+        """How a network is trained in a row; None where its weights are the row's model as they are."""
+        if row in self.from_baseline:
+            return self.network(network).fine_tuning
+        start = self._start(network, row)
+        return start.policy if start is not None and start.policy is not None else self.network(network).baseline
+
+    def weights(self, network: str, row: str) -> str:
         """File that a row in `from_weights` starts from, or none."""
         start = self._start(network, row)
-        return start.weights if start is not None else getattr(self, network).weights
+        return start.weights if start is not None else self.network(network).weights
 
-    def _start(self, network: Network, row: RowName) -> Start | None:
+    def _start(self, network: str, row: str) -> Start | None:
         entry = self.rows[row]
         return entry.start.get(network) if entry is not None else None

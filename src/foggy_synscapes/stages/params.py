@@ -1,32 +1,62 @@
-"""params: check a params file and say what it asks for."""
+"""params: check a params file, print it complete with units and sources, or say what it asks for."""
 
 import argparse
 from pathlib import Path
 
-from foggy_synscapes.params import STAND_IN, Params, load
+from foggy_synscapes.errors import UsageError
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.params import STAND_IN, Params, check, load, resolved
 
-HELP = "Check a params file: unknown, missing, impossible or contradicting values are named."
+HELP = (
+    "Print a params file complete, with units and sources: its values laid on the packaged defaults. Sections are "
+    "merged key by key; lists, lengths and mappings whose keys you name (lists of subset, train.rows) are replaced "
+    "whole. Unknown, missing, impossible or contradicting values are named."
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this command."""
-    parser.add_argument("--file", type=Path, metavar="FILE", help="params file to check (default: the one of --params)")
-    parser.add_argument("--check", action="store_true", help="only check: print nothing but that the file is good")
+    parser.add_argument("--file", type=Path, metavar="FILE", help="params file to read (default: the one of --params)")
+    parser.add_argument("--defaults", action="store_true", help="no file: the packaged defaults as they are")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="file to write instead of printing, e.g. params.yaml for DVC"
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--check", action="store_true", help="only check: print nothing but that the file is good")
+    what.add_argument("--summary", action="store_true", help="print what the experiment consists of, a line each")
+    what.add_argument("--schema", action="store_true", help="print the JSON Schema of params files, for editors")
+    what.add_argument("--docs", action="store_true", help="print a page of all keys, as docs/parameters.md")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the command."""
+    if args.check and args.out is not None:
+        raise UsageError("--check writes nothing; leave out --out")
+    text = _asked(args)
+    if args.out is None:
+        print(text, end="")
+    else:
+        write_text(args.out, text)
+
+
+def _asked(args: argparse.Namespace) -> str:
+    """What the options ask for, as text."""
+    if args.schema or args.docs:
+        from foggy_synscapes.params import reference
+
+        defaults = resolved.document(check({}, "defaults"))
+        return reference.json_schema() if args.schema else reference.markdown(defaults)
     path = args.file or args.params
-    params = load(path)
-    print(f"{path}: good")
-    if not args.check:
-        print("\n".join(summary(params)))
+    params = check({}, "defaults") if args.defaults else load(path)
+    if args.check:
+        return f"{path}: good\n"
+    return "\n".join(summary(params)) + "\n" if args.summary else resolved.text(params)
 
 
 def summary(params: Params) -> list[str]:
     """What the experiment consists of, a line each."""
     lines = []
-    for dataset, folder in params.scenes.roots.model_dump().items():
+    for dataset, folder in params.scenes.roots.items():
         lines.append(f"{dataset}: {'stand-in, rendered under results/scenes' if folder == STAND_IN else folder}")
     ends, betas = params.fog.frames, params.fog.betas
     lines.append(

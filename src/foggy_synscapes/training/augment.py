@@ -53,8 +53,8 @@ def augment(
     pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
     if tuple(window) != tuple(crop):
         pixels = functional.interpolate(pixels, size=crop, mode="bilinear", align_corners=False)
-        rows, columns = (_nearest(out, part) for out, part in zip(crop, window, strict=True))
-        labels = labels[rows][:, columns]
+        below, beside = (_nearest(out, part) for out, part in zip(crop, window, strict=True))
+        labels = labels[below][:, beside]
     if flip and mirrored:
         pixels, labels = pixels.flip(3), labels[:, ::-1]
     return pixels[0].permute(1, 2, 0).numpy(), labels

@@ -36,7 +36,7 @@ class Arithmetic:
 
     def place(self, network: Network) -> None:
         """Bring a network to the device and into the layout."""
-        network.to(device=self.device, memory_format=self.layout())
+        network.to(device=self.device, memory_format=self.layout())  # type: ignore[call-overload]  # as in load_model
 
 
 def forward(

@@ -1,31 +1,29 @@
 """Curves for people to watch while a training runs, by DVCLive or TensorBoard.
 
-They are no results: they lie below results/logs, and nothing is made from them.
+They are no results: they are beside the logs, and nothing is made from them.
 """
 
 import importlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 
-FOLDER = Path("results/logs")
-
 Values = dict[str, float]
 
 
 class Live:
-    """Passes the values of steps on to the named tools; each begins anew in results/logs/TOOL/NAME.
+    """Passes the values of steps on to the named tools; each begins anew in LOGS/TOOL/NAME.
 
     Raises FoggyError if a tool is not installed or cannot begin.
     """
 
-    def __init__(self, tools: list[str], name: str) -> None:
+    def __init__(self, tools: Sequence[str], logs: Path, name: str) -> None:
         self._writers: list[tuple[Callable[[int, Values], None], Callable[[], None]]] = []
         for tool in tools:
-            folder = FOLDER / tool / name
+            folder = logs / tool / name
             shutil.rmtree(folder, ignore_errors=True)
             try:
                 self._writers.append(STARTS[tool](folder))

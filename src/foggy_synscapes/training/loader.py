@@ -78,7 +78,8 @@ def batches(steps: Steps, workers: int, pinned: bool = False) -> Iterator[Batch]
     pinned : put them in page-locked memory, from which CUDA copies faster
     """
     if workers == 0:
-        yield from steps
+        for item in range(len(steps)):
+            yield steps[item]
         return
     loader = DataLoader(
         Carried(steps),

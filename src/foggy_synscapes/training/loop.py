@@ -14,7 +14,8 @@ from foggy_synscapes.training import snapshots
 from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
 from foggy_synscapes.training.loader import Samples, Steps, batches
 from foggy_synscapes.training.order import steps_per_epoch
-from foggy_synscapes.training.policy import Policy, parameter_groups, set_training
+from foggy_synscapes.training.parameters import parameter_groups, set_training
+from foggy_synscapes.training.policy import Policy
 from foggy_synscapes.training.ranks import ALONE, Ranks
 from foggy_synscapes.training.snapshots import Progress
 from foggy_synscapes.training.step import Learner, take_step
@@ -47,11 +48,14 @@ class Plan:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The weights with the lowest validation loss, when they were reached, and the rows of the curve."""
+    """The weights with the lowest validation loss, when they were reached, and the rows of the curve.
+
+    None of it is known to a process that does not validate.
+    """
 
     best: dict[str, Tensor]
-    best_step: int
-    best_loss: float
+    best_step: int | None
+    best_loss: float | None
     curve: list[list[float | int | None]]
 
 
@@ -121,7 +125,7 @@ def train(
         progress.losses = [progress.losses[0] + loss, progress.losses[1] + 1]
         last = done == plan.steps
         scores: tuple[float | None, float | None] = (None, None)
-        if ranks.first and (done % plan.validate_every == 0 or last):
+        if ranks.first and validation is not None and (done % plan.validate_every == 0 or last):
             scores = validate(network, preprocessing, policy, arithmetic, validation)
             if progress.best_loss is None or scores[0] < progress.best_loss:
                 progress.best_loss, progress.best_step = scores[0], done

@@ -1,81 +1,91 @@
-"""How a network is trained: learning rates, their schedule, and what is decayed or frozen."""
+"""How a network is trained: learning rates, their schedule, and what is decayed or frozen. Without PyTorch."""
 
-from dataclasses import dataclass
+from typing import Annotated, Literal
 
-from torch import nn
+from pydantic import Field, FiniteFloat, model_validator
 
-from foggy_synscapes.networks.network import Network
+from foggy_synscapes.schema import Section, setting
+
+BASELINE = "C"
+"""The row from whose selected snapshot the rows in `train.from_baseline` start."""
+Pixels = Annotated[int, Field(ge=1)]
+Factor = Annotated[FiniteFloat, Field(gt=0)]
 
 
-@dataclass(frozen=True)
-class Policy:
-    """One training policy; nothing of it has a default, so that every constant has a source in the params file.
+class Duration(Section):
+    """A number of epochs or of iterations."""
 
-    learning_rate : at the first step; momentum : of stochastic gradient descent, without Nesterov's correction
-    schedule : "poly", learning_rate * (1 - step / steps) ** power, or "constant"
-    weight_decay : of weights; norm_weight_decay : of batch norm's parameters and of biases
-    batch : images a step; accumulate : forward passes into which they are split
-    crop : rows and columns in pixels; scale : smallest and largest factor of resizing; flip : left and right
-    class_balance : cut crops around pixels of classes that are drawn alike (see `augment.augment`)
-    loss : "cross_entropy", or "ohem" with ohem_threshold and ohem_kept (see `losses.hard_examples`)
-    auxiliary_weight : factor of the auxiliary outputs' losses; loss_stride : pixels between those that a loss looks at
-    backbone_rate, new_layer_rate : factors of the learning rate, of the backbone and of all other layers
-    freeze_batch_norm : keep running statistics and parameters of batch norm as they are
-    """
+    inline = True
+    whole = True
 
-    learning_rate: float
-    schedule: str
-    power: float
-    momentum: float
-    weight_decay: float
-    norm_weight_decay: float
-    batch: int
-    accumulate: int
-    crop: tuple[int, int]
-    scale: tuple[float, float]
-    flip: bool
-    class_balance: bool
-    loss: str
-    ohem_threshold: float
-    ohem_kept: float
-    auxiliary_weight: float
-    loss_stride: int
-    backbone_rate: float
-    new_layer_rate: float
-    freeze_batch_norm: bool
+    epochs: int | None = setting("over the list", default=None, unit="epochs", ge=1)
+    iterations: int | None = setting("of one batch each", default=None, unit="iterations", ge=1)
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> "Duration":
+        if (self.epochs is None) == (self.iterations is None):
+            raise ValueError("give either epochs or iterations")
+        return self
+
+    def steps(self, images: int, batch: int) -> int:
+        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
+        if self.iterations is not None:
+            return self.iterations
+        assert self.epochs is not None  # one of both is given
+        return self.epochs * -(-images // batch)
+
+
+class Policy(Section):
+    """One training policy. It is the section of the params too; what has a default is alike in most policies."""
+
+    learning_rate: FiniteFloat = setting("at the first step, before backbone_rate and new_layer_rate", gt=0)
+    schedule: Literal["poly", "constant"] = setting(
+        "poly: learning_rate * (1 - step / steps) ** power (PSPNet)", default="poly"
+    )
+    power: FiniteFloat = setting("of the polynomial decay", default=0.9, gt=0, source="PSPNet")
+    momentum: FiniteFloat = setting(
+        "of stochastic gradient descent, without Nesterov's correction", default=0.9, ge=0, lt=1
+    )
+    weight_decay: FiniteFloat = setting("of weights", default=0.0005, ge=0)
+    norm_weight_decay: FiniteFloat = setting("of batch norm and biases", default=0.0, ge=0)
+    batch: int = setting("of a step", unit="images", ge=1)
+    accumulate: int = setting("forward passes into which a batch is split where memory is short", default=1, ge=1)
+    crop: tuple[Pixels, Pixels] = setting("rows and columns", unit="pixels")
+    scale: tuple[Factor, Factor] = setting("random resizing before the crop: smallest and largest factor")
+    flip: bool = setting("left and right at random", default=True)
+    class_balance: bool = setting(
+        "crops around pixels of classes drawn alike (RefineNet's released code)", default=False
+    )
+    loss: Literal["cross_entropy", "ohem"] = setting(
+        "ohem: online hard example mining (TorchSeg)", default="cross_entropy"
+    )
+    ohem_threshold: FiniteFloat = setting(
+        "probability of the true class below which a pixel is hard", default=0.7, gt=0, lt=1
+    )
+    ohem_kept: FiniteFloat = setting("share of the pixels that count at least: 1/16", default=0.0625, ge=0, le=1)
+    auxiliary_weight: FiniteFloat = setting("of the losses of auxiliary heads, as BiSeNet's", default=1.0, ge=0)
+    loss_stride: Literal[1, 2, 4, 8] = setting(
+        "between those that the loss looks at", default=1, unit="pixels", published="1"
+    )
+    backbone_rate: FiniteFloat = setting("times the learning rate, of the backbone", default=1.0, gt=0)
+    new_layer_rate: FiniteFloat = setting("times the learning rate, of all other layers", default=1.0, gt=0)
+    freeze_batch_norm: bool = setting("keep its running statistics and parameters as they are", default=False)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Policy":
+        if self.batch % self.accumulate:
+            raise ValueError(f"accumulate: {self.accumulate} passes do not divide a batch of {self.batch} images")
+        if self.scale[0] > self.scale[1]:
+            raise ValueError(f"scale: from {self.scale[0]} to {self.scale[1]}, expected the smaller factor first")
+        return self
 
     def rate(self, step: int, steps: int) -> float:
-        """Learning rate of a step, counted from 0, before the factors of `parameter_groups`.
+        """Learning rate of a step, counted from 0, before the factors of `parameters.parameter_groups`.
+
+        Raises ValueError if there is no such step.
 
         Source of the polynomial: Zhao et al., Pyramid Scene Parsing Network, CVPR 2017, section 5.1.
         """
         if not 0 <= step < steps:
             raise ValueError(f"step: {step}, expected 0 to {steps - 1}")
-        if self.schedule == "constant":
-            return self.learning_rate
-        if self.schedule == "poly":
-            return self.learning_rate * (1 - step / steps) ** self.power
-        raise ValueError(f"schedule: {self.schedule!r}, expected poly or constant")
-
-
-def parameter_groups(network: Network, policy: Policy) -> list[dict]:
-    """Groups for an optimiser, each with `factor` of the learning rate and `weight_decay`; without what is frozen."""
-    norms = {id(p) for m in network.modules() if isinstance(m, nn.BatchNorm2d) for p in m.parameters()}
-    groups: dict[tuple[float, float], list[nn.Parameter]] = {}
-    for name, parameter in network.named_parameters():
-        if not parameter.requires_grad:
-            continue
-        factor = policy.backbone_rate if name.startswith("backbone.") else policy.new_layer_rate
-        plain = id(parameter) in norms or name.endswith(".bias")
-        decay = policy.norm_weight_decay if plain else policy.weight_decay
-        groups.setdefault((factor, decay), []).append(parameter)
-    return [{"params": p, "factor": factor, "weight_decay": decay} for (factor, decay), p in groups.items()]
-
-
-def set_training(network: Network, policy: Policy) -> None:
-    """Training mode; batch norm stays in evaluation mode, and its parameters get no gradient, where it is frozen."""
-    network.train()
-    if policy.freeze_batch_norm:
-        for module in network.modules():
-            if isinstance(module, nn.BatchNorm2d):
-                module.eval().requires_grad_(False)
+        return self.learning_rate * (1 if self.schedule == "constant" else (1 - step / steps) ** self.power)

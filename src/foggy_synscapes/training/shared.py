@@ -12,7 +12,7 @@ def share(network: nn.Module, ranks: Ranks) -> None:
     for name, layer in network.named_children():
         if isinstance(layer, nn.BatchNorm2d) and layer.training:
             # PyTorch's own runs on GPUs only.
-            on_gpu = layer.running_mean.is_cuda
+            on_gpu = layer.weight.is_cuda
             synced = nn.SyncBatchNorm.convert_sync_batchnorm(layer) if on_gpu else SharedBatchNorm.of(layer, ranks)
             setattr(network, name, synced)
         elif isinstance(layer, nn.Dropout):
@@ -64,11 +64,16 @@ class SharedBatchNorm(nn.BatchNorm2d):
         means, variances = _Sum.apply(slots).unbind(1)
         mean = means.mean(0)
         variance = (variances + (means - mean).square()).mean(0)
+        counted, kept_mean, kept_variance = self.num_batches_tracked, self.running_mean, self.running_var
+        assert counted is not None
+        assert kept_mean is not None
+        assert kept_variance is not None
+        assert self.momentum is not None
         with torch.no_grad():
             whole = count * self.ranks.count
-            self.num_batches_tracked.add_(1)
-            self.running_mean.lerp_(mean, self.momentum)
-            self.running_var.lerp_(variance * (whole / max(whole - 1, 1)), self.momentum)
+            counted.add_(1)
+            kept_mean.lerp_(mean, self.momentum)
+            kept_variance.lerp_(variance * (whole / max(whole - 1, 1)), self.momentum)
         factor = self.weight * torch.rsqrt(variance + self.eps)
         column = (1, -1, 1, 1)
         return (values * factor.view(column) + (self.bias - mean * factor).view(column)).to(x.dtype)

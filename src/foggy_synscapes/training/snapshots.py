@@ -57,14 +57,6 @@ def dump(
     )
 
 
-def settings_of(data: bytes) -> dict:
-    """The settings that a snapshot was taken with. Raises SnapshotError if it is none or was cut off."""
-    try:
-        return read_tensors(data, KEY)[0]["settings"]
-    except ValueError as error:
-        raise SnapshotError(str(error)) from error
-
-
 def restore(
     data: bytes, network: Network, optimiser: torch.optim.Optimizer, settings: dict
 ) -> tuple[dict[str, Tensor], Progress]:

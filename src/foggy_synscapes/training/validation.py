@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -47,7 +48,9 @@ def validate(
 
 def _groups(samples: Samples, size: int) -> Iterator[Batch]:
     """Samples in their order, neighbours of one size together, at most so many."""
-    images, labels, indices = [], [], []
+    images: list[np.ndarray] = []
+    labels: list[np.ndarray] = []
+    indices: list[int] = []
     for index in range(samples.count):
         image, label = samples.load(index)
         if indices and (len(indices) == size or image.shape != images[0].shape):

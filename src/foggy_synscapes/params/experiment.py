@@ -1,0 +1,97 @@
+"""All sections of the params, and what they have to agree on."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import create_model, model_validator
+
+from foggy_synscapes.datasets.dataset import STAND_IN
+from foggy_synscapes.params.fog import Fog, Subset, subset_model
+from foggy_synscapes.params.names import Folder
+from foggy_synscapes.params.outcomes import Evaluate, Figures, Stability, Tables, Tradeoff
+from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
+from foggy_synscapes.params.training import Train
+from foggy_synscapes.registry import plugin_files
+from foggy_synscapes.schema import Section, setting
+from foggy_synscapes.subsets import KINDS
+from foggy_synscapes.subsets.kind import FOG
+
+
+class Params(Section):
+    """The whole experiment."""
+
+    plugins: Folder | None = setting("folder of your own modules (networks, datasets, ...), from where a job runs")
+    scenes: Scenes
+    filter: Filter
+    fog: Fog
+    subset: Subset
+    train: Train
+    evaluate: Evaluate
+    tables: Tables
+    figures: Figures
+    stability: Stability
+    tradeoff: Tradeoff
+
+    @model_validator(mode="after")
+    def _sections_agree(self) -> "Params":
+        lists = self.subset.foggy().values()
+        if lists:
+            betas = {entry.beta for entry in lists}
+            unused, missing = sorted(set(self.fog.betas) - betas), sorted(betas - set(self.fog.betas))
+            if unused:
+                raise ValueError(
+                    f"fog.betas: no list in subset uses {', '.join(unused)}; add a row there, or remove it"
+                )
+            if missing:
+                raise ValueError(
+                    f"fog.betas: a list in subset asks for {', '.join(missing)}, which is not there; add it"
+                )
+            ends = max(entry.train for entry in lists), max(entry.validation for entry in lists)
+            if ends != (self.fog.frames.first, self.fog.frames.last):
+                raise ValueError(
+                    f"fog.frames: the lists in subset ask for the first {ends[0]} and the last {ends[1]} kept frames, "
+                    f"got first {self.fog.frames.first} and last {self.fog.frames.last}"
+                )
+        names = [name for rows in self.subset.kinds().values() for name in rows]
+        read = {name for kind, rows in self.subset.kinds().items() if rows for name in KINDS[kind].reads} - {FOG}
+        absent = sorted({*read, *self.evaluate.test_sets, self.tradeoff.test_set} - set(self.scenes.roots))
+        if absent:
+            raise ValueError(f"scenes.roots: {', '.join(absent)} missing, which evaluate, tradeoff or subset needs")
+        trained = [*self.train.from_weights, *self.train.from_baseline]
+        for key, each in (
+            ("subset", names),
+            ("train.from_weights and from_baseline", trained),
+            ("train.seeds", [int(seed) for seed in self.train.seeds]),
+            ("train.networks", self.train.networks),
+            ("evaluate.test_sets", self.evaluate.test_sets),
+            ("tables.rows", [entry.row for entry in self.tables.rows]),
+        ):
+            if len(set(each)) != len(each):
+                raise ValueError(f"{key}: each once, got {each}")
+        rows = set(trained)
+        if rows != set(self.subset.rows()):
+            raise ValueError(f"train: trains rows {sorted(rows)}, but subset lists {sorted(self.subset.rows())}")
+        if self.tradeoff.row not in rows:
+            raise ValueError(f"tradeoff.row: {self.tradeoff.row} is no row of train, which has {sorted(rows)}")
+        drawn = self.scenes.stand_in.frames("synscapes")
+        asked = self.fog.frames.first + self.fog.frames.last
+        if self.scenes.roots["synscapes"] == STAND_IN and asked > drawn:
+            raise ValueError(f"scenes.stand_in.synscapes: {drawn} frames, fewer than fog.frames asks for")
+        return self
+
+    @property
+    def stand_in(self) -> bool:
+        """Whether any dataset is drawn: then no score says anything about real fog, and tables and figures say so."""
+        return STAND_IN in self.scenes.roots.values()
+
+
+def model() -> type[Params]:
+    """The schema with what registries declare: datasets, kinds of lists; those of plugins too."""
+    return _model(tuple(plugin_files()))
+
+
+@cache
+def _model(_plugins: tuple[Path, ...]) -> type[Params]:
+    declared: dict[str, Any] = {"scenes": (scenes_model(), ...), "subset": (subset_model(), ...)}
+    return create_model("Params", __base__=Params, __doc__=Params.__doc__, **declared)
