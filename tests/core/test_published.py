@@ -1,6 +1,8 @@
 """The published tables: every number and every bold mark, held against the paper's own source."""
 
+import csv
 import hashlib
+import io
 import json
 import os
 import re
@@ -9,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from foggy_synscapes.tables import latex
+from foggy_synscapes.labels import CLASSES
+from foggy_synscapes.tables import formats
 from foggy_synscapes.tables.numbers import round_half_up
-from foggy_synscapes.tables.paper import notes, published_columns, published_grid
-from foggy_synscapes.tables.published import TEST_SETS, load
+from foggy_synscapes.tables.paper import notes, published_csv, published_table
+from foggy_synscapes.tables.published import TEST_SETS, load, mean_of_classes
+from foggy_synscapes.tables.table import MEAN
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 # Of `cells()` below, for both tables: a change of any label, number or bold mark changes it.
@@ -37,7 +41,7 @@ def cells(tex: str) -> list[list[list]]:
 
 
 def made_tables() -> list:
-    return [cells(latex.table(published_grid(name, load(name)))) for name in TEST_SETS]
+    return [cells(formats.latex([published_table(name, load(name))], "")) for name in TEST_SETS]
 
 
 @pytest.fixture(scope="module")
@@ -69,39 +73,39 @@ def test_every_cell_and_bold_mark_is_as_it_was_compared():
 
 def test_source_lines_hold_what_they_are_named_for(paper):
     for name in TEST_SETS:
-        for row in load(name):
-            assert row.fine_tuning in paper[row.label_line - 1]
-            for value in row.iou.values():
-                assert ("-" if value is None else str(value)) in paper[row.value_line - 1]
-            assert str(row.mean) in paper[row.value_line - 1]
+        for _, row in load(name).iterrows():
+            assert row["fine_tuning"] in paper[int(row["label_line"]) - 1]
+            for value in row[[*CLASSES, MEAN]].fillna("-"):
+                assert str(value) in paper[int(row["value_line"]) - 1]
 
 
 def test_heads_are_in_the_papers_order(paper):
     heads = re.findall(r"\\rotatebox\[origin=l\]\{90\}\{\\thead\{([^}]*\}?)\}\}", "\n".join(paper))
-    grid = published_grid("foggy_driving", load("foggy_driving"))
-    ours = ["Model", *(rf"\textbf{{{head.text}}}" if head.bold else head.text for head in grid.heads)]
+    table = published_table("foggy_driving", load("foggy_driving"))
+    ours = ["Model", *(rf"\textbf{{{head}}}" if head == MEAN else head for _, head in table.heads)]
     assert [head for head in heads if head] == ours * 2
 
 
 @pytest.mark.parametrize("name", TEST_SETS)
 def test_there_are_two_blocks_of_five_rows(name):
-    grid = published_grid(name, load(name))
-    assert [(block.network, len(block.lines)) for block in grid.blocks] == [("RefineNet", 5), ("BiSeNet", 5)]
-    assert [line.images for line in grid.blocks[0].lines] == ["", "498", "24,500", "498", "498"]
+    labels = published_table(name, load(name)).labels
+    assert list(labels.index.get_level_values("network")) == ["RefineNet"] * 5 + ["BiSeNet"] * 5
+    assert list(labels["images"]) == ["", "498", "24,500", "498", "498"] * 2
 
 
 def test_driving_means_are_over_19():
-    for row in load("foggy_driving"):
-        assert round_half_up(row.mean_of_classes(annotated=True)) == row.mean
+    rows = load("foggy_driving")
+    assert list(mean_of_classes(rows, annotated=True).map(round_half_up)) == list(rows[MEAN])
     assert "All 10 agree" in notes(load("foggy_driving"))[0]
 
 
 def test_zurich_means_divide_by_19_and_two_are_rounded_otherwise():
     rows = load("foggy_zurich")
+    recomputed = mean_of_classes(rows, annotated=False)
     odd = {
-        (row.network, row.row): (round_half_up(row.mean_of_classes(annotated=False), 2), row.mean)
-        for row in rows
-        if round_half_up(row.mean_of_classes(annotated=False)) != row.mean
+        key: (round_half_up(recomputed[key], 2), mean)
+        for key, mean in rows[MEAN].items()
+        if round_half_up(recomputed[key]) != mean
     }
     assert odd == {
         ("RefineNet", "FS-498"): (Decimal("42.76"), Decimal("42.7")),
@@ -115,17 +119,17 @@ def test_zurich_means_divide_by_19_and_two_are_rounded_otherwise():
 
 def test_zurich_means_over_the_18_annotated_classes():
     rows = load("foggy_zurich")
-    means = [str(round_half_up(row.mean_of_classes(annotated=True))) for row in rows]
+    means = list(mean_of_classes(rows, annotated=True).map(round_half_up).map(str))
     assert means == ["36.5", "38.9", "42.5", "45.1", "43.7", "17.0", "26.4", "29.3", "29.1", "32.6"]
-    assert all([name for name, value in row.iou.items() if value is None] == ["train"] for row in rows)
+    assert [name for name in CLASSES if rows[name].isna().any()] == ["train"]
+    assert rows["train"].isna().all()
 
 
 def test_a_test_set_that_the_paper_does_not_have_has_no_rows():
-    assert load("cityscapes") == []
+    assert load("cityscapes").empty
 
 
 def test_csv_has_every_cell_as_printed():
-    columns, rows = published_columns(load("foggy_zurich"))
-    first = dict(zip(columns, rows[0], strict=True))
+    first = next(csv.DictReader(io.StringIO(published_csv(load("foggy_zurich")))))
     assert (first["model"], first["images"], first["road"], first["train"]) == ("RefineNet", "", "74.3", "-")
     assert (first["mean IoU"], first["recomputed mean over 19"], first["source line"]) == ("34.6", "34.55", "270")

@@ -1,24 +1,27 @@
 """Tables as text: rounding, bold marks, escapes, and our runs beside the paper's."""
 
-from decimal import Decimal
+import io
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring.metrics import summarize
-from foggy_synscapes.tables import latex, markdown
-from foggy_synscapes.tables.grid import Block, Cell, Grid, Head, Line
-from foggy_synscapes.tables.numbers import best, round_half_up, signed
-from foggy_synscapes.tables.ours import grids, long_columns
+from foggy_synscapes.tables import formats
+from foggy_synscapes.tables.numbers import round_half_up, signed
+from foggy_synscapes.tables.ours import long_csv, tables
 from foggy_synscapes.tables.published import load
-from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, RowLabel, Score, annotated_classes, collect
+from foggy_synscapes.tables.results import NAMES, annotated_classes, collect, images_text
+from foggy_synscapes.tables.table import LABELS, Table, best
 
-C = RowLabel("C", "C", "-", None, None)
-FS = RowLabel("FS-24500", "C", "FS", 24500, 600)
-CONTROL = RowLabel("C-control", "C", "C (control)", None, 400)
+LABELLED = {
+    "C": ("C", "-", ""),
+    "FS-24500": ("C", "FS", images_text(24500, 600)),
+    "C-control": ("C", "C (control)", images_text(None, 400)),
+}
 
 
 def scores(right: float, absent: tuple[int, ...] = (), images: int = 24) -> dict:
@@ -31,9 +34,17 @@ def scores(right: float, absent: tuple[int, ...] = (), images: int = 24) -> dict
     return summarize(matrix, images)
 
 
-def results_of(runs: dict, labels=(C, FS, CONTROL), test_set="foggy_zurich", networks=("bisenet",), seeds=1):
-    full = {(n, label.row): runs.get((n, label.row), [None] * seeds) for n in networks for label in labels}
-    return collect(networks, labels, full, load(test_set))
+def results_of(runs: dict, rows=tuple(LABELLED), test_set="foggy_zurich", networks=("bisenet",), seeds=1):
+    full = {
+        (n, row): dict(zip(map(str, range(seeds)), runs.get((n, row), [None] * seeds), strict=True))
+        for n in networks
+        for row in rows
+    }
+    return collect(LABELLED, full, load(test_set))
+
+
+def lines_of(results, test_set="foggy_zurich") -> pd.DataFrame:
+    return pd.read_csv(io.StringIO(long_csv(test_set, results)), dtype=str, keep_default_na=False)
 
 
 @pytest.mark.parametrize(
@@ -61,13 +72,13 @@ def test_negative_zero_is_not_printed():
     assert (str(round_half_up(-0.04)), signed(-0.04), signed(-0.05)) == ("0.0", "0.0", "-0.1")
 
 
-@given(st.lists(st.one_of(st.none(), st.decimals(0, 100, places=1)), max_size=6))
-def test_bold_are_all_largest_values_unless_zero(column):
-    marks = best(column)
-    bold = {value for value, mark in zip(column, marks, strict=True) if mark}
-    top = max((value for value in column if value is not None), default=Decimal(0))
-    assert bold == ({top} if top > 0 else set())
-    assert sum(marks) == (column.count(top) if top > 0 else 0)
+@given(st.lists(st.one_of(st.none(), st.integers(0, 1000)), min_size=1, max_size=6))
+def test_bold_are_all_largest_values_unless_zero(tenths):
+    column = pd.Series([None if value is None else value / 10 for value in tenths], dtype=float)
+    marks = best(pd.DataFrame({"road": column}).set_axis(["BiSeNet"] * len(column)))["road"].to_numpy()
+    top = column.max()
+    assert set(column[marks]) == ({top} if top > 0 else set())
+    assert sum(marks) == (column.eq(top).sum() if top > 0 else 0)
 
 
 @pytest.mark.parametrize(
@@ -83,25 +94,27 @@ def test_bold_are_all_largest_values_unless_zero(column):
     ],
 )
 def test_latex_prints_labels_as_they_are(text, escaped):
-    assert latex.escape(text) == escaped
+    assert formats.escape_latex(text) == escaped
 
 
 @given(st.text(max_size=30))
 def test_no_label_can_break_out_of_its_latex_cell(text):
     """Without the escapes made here, nothing that LaTeX acts on is left."""
-    left = latex.escape(text)
-    for made in sorted({*latex._SPECIAL.values(), r"$\to$"}, key=len, reverse=True):
+    left = formats.escape_latex(text)
+    for made in sorted({*formats._LATEX.values(), r"$\to$"}, key=len, reverse=True):
         left = left.replace(made, "")
     assert not set(left) & set("\\{}$&#^_~%\n\r")
 
 
 def test_markdown_labels_cannot_break_the_table():
-    assert markdown.escape("a|b\nc*d_e`<i>") == r"a\|b c\*d\_e\`\<i>"
+    assert formats.escape_markdown("a|b\nc*d_e`<i>") == r"a\|b c\*d\_e\`\<i>"
 
 
 def test_labels_with_special_characters_reach_latex_escaped():
-    grid = Grid("x", "50 % & more", [Head("a_b")], [Block("N#1", [Line("C_1", "F&S", "1 -> 2", [Cell("1.0", True)])])])
-    text = latex.table(grid)
+    index = pd.MultiIndex.from_tuples([("N#1", "x")], names=["network", "row"])
+    labels = pd.DataFrame([["C_1", "F&S", "1 -> 2"]], index=index, columns=LABELS)
+    cells = pd.DataFrame([["1.0"]], index=index, columns=["a_b"])
+    text = formats.latex([Table("x", "50 % & more", labels, cells, cells == "1.0")], "")
     assert r"\caption{50 \% \& more}" in text
     assert r"{a\_b}" in text
     assert r"N\#1" in text
@@ -110,33 +123,24 @@ def test_labels_with_special_characters_reach_latex_escaped():
     assert r"\textbf{1.0} \\" in text
 
 
-def test_counts_say_how_they_were_scaled():
-    assert [label.images_text for label in (C, FS, CONTROL)] == ["", "24,500 -> 600 here", "400 here"]
-    assert RowLabel("FS-498", "C", "FS", 498, 498).images_text == "498"
-
-
 def test_a_run_that_does_not_exist_prints_two_dashes():
     results = results_of({("bisenet", "C"): [scores(0.5, absent=(16,))]})
-    table = grids("foggy_zurich", results, list(CLASSES[:16]), ["0"], stand_in=False)[0]
-    lines = table.blocks[0].lines
-    assert {cell.text for cell in lines[1].cells} == {"--"}
-    assert not any(cell.bold for cell in lines[1].cells)
-    assert lines[0].cells[0].text == "50.0"
-    assert lines[0].cells[16].text == "-"
-    columns, rows = long_columns("foggy_zurich", results, ["0"])
-    missing = [row for row in rows if row[columns.index("row")] == "FS-24500"]
-    assert {row[columns.index("ours")] for row in missing} == {"--"}
-    assert {row[columns.index("seed_0")] for row in missing} == {"--"}
-    assert missing[0][columns.index("published")] == "71.6"
+    table = tables("foggy_zurich", results, list(CLASSES[:16]), stand_in=False)[0]
+    assert set(table.cells.loc["BiSeNet", "FS-24500"]) == {"--"}
+    assert not table.bold.loc["BiSeNet", "FS-24500"].any()
+    assert list(table.cells.loc["BiSeNet", "C"][["road", "train"]]) == ["50.0", "-"]
+    missing = lines_of(results).query("row == 'FS-24500'")
+    assert set(missing["ours"]) == set(missing["seed_0"]) == {"--"}
+    assert missing["published"].iloc[0] == "71.6"
 
 
 def test_both_mean_conventions_are_printed_and_named():
     made = scores(0.5, absent=(16,))
-    results = results_of({("bisenet", "C"): [made]}, labels=(C,))
-    table = grids("foggy_zurich", results, annotated_classes([made]), ["0"], stand_in=True)[0]
-    assert [head.text for head in table.heads[-2:]] == ["mean IoU, 18 annotated", "mean IoU, 19 as published"]
+    results = results_of({("bisenet", "C"): [made]}, rows=("C",))
+    table = tables("foggy_zurich", results, annotated_classes([made]), stand_in=True)[0]
+    assert list(table.cells)[-2:] == ["mean IoU, 18 annotated", "mean IoU, 19 as published"]
     means = made["mean_iou"]
-    assert [cell.text for cell in table.blocks[0].lines[0].cells[-2:]] == [
+    assert list(table.cells.iloc[0, -2:]) == [
         str(round_half_up(means["annotated"])),
         str(round_half_up(means["as_published"])),
     ]
@@ -146,46 +150,56 @@ def test_both_mean_conventions_are_printed_and_named():
 def test_stand_in_is_said_in_the_caption():
     results = results_of({})
     for stand_in in (True, False):
-        captions = [grid.caption for grid in grids("foggy_zurich", results, None, ["0"], stand_in)]
+        captions = [table.caption for table in tables("foggy_zurich", results, None, stand_in)]
         assert all(("stand-in" in caption) == stand_in for caption in captions)
 
 
 def test_difference_is_ours_minus_published():
-    results = results_of({("bisenet", "C"): [scores(0.5)]}, labels=(C, CONTROL))
-    _, means, difference = grids("foggy_zurich", results, list(CLASSES), ["0"], stand_in=False)
-    assert difference.blocks[0].lines[0].cells[0].text == "-17.1"  # 50.0 - 67.1
-    assert difference.blocks[0].lines[0].cells[16].text == "--"  # the paper has a dash
-    assert {cell.text for cell in difference.blocks[0].lines[1].cells} == {"--"}  # the control is not in the paper
-    assert [cell.text for cell in means.blocks[0].lines[0].cells[::3]] == ["17.0", "16.1"]
-    assert r"& $-$17.1 &" in latex.table(difference)
+    results = results_of({("bisenet", "C"): [scores(0.5)]}, rows=("C", "C-control"))
+    _, means, difference = tables("foggy_zurich", results, list(CLASSES), stand_in=False)
+    assert difference.cells.loc["BiSeNet", "C"]["road"] == "-17.1"  # 50.0 - 67.1
+    assert difference.cells.loc["BiSeNet", "C"]["train"] == "--"  # the paper has a dash
+    assert set(difference.cells.loc["BiSeNet", "C-control"]) == {"--"}  # the control is not in the paper
+    assert list(means.cells.loc["BiSeNet", "C"].xs("paper", level=1)) == ["17.0", "16.1"]
+    assert r"& $-$17.1 &" in formats.latex([difference], "")
+
+
+def test_a_class_that_our_ground_truth_lacks_has_no_difference_but_a_dash():
+    results = results_of({("bisenet", "C"): [scores(0.5, absent=(0,))]}, rows=("C",))
+    difference = tables("foggy_zurich", results, list(CLASSES[1:]), stand_in=False)[2]
+    assert difference.cells.loc["BiSeNet", "C"]["road"] == "-"
 
 
 def test_a_test_set_that_the_paper_lacks_has_one_table():
-    results = results_of({("bisenet", "C"): [scores(0.5)]}, labels=(C,), test_set="cityscapes")
-    assert len(grids("cityscapes", results, list(CLASSES), ["0"], stand_in=False)) == 1
+    results = results_of({("bisenet", "C"): [scores(0.5)]}, rows=("C",), test_set="cityscapes")
+    assert len(tables("cityscapes", results, list(CLASSES), stand_in=False)) == 1
 
 
-def test_mean_and_spread_over_seeds():
-    score = Score(None, (40.0, 42.0, 47.0))
-    assert (score.mean, score.spread) == (43.0, pytest.approx(13**0.5))
-    assert Score(None, (40.0,)).spread is None
-    results = results_of({("bisenet", "C"): [scores(0.4), scores(0.6), None]}, labels=(C,), seeds=3)
-    table = grids("foggy_zurich", results, list(CLASSES), ["0", "1", "2"], stand_in=False)[0]
-    assert table.blocks[0].lines[0].cells[0].text == "50.0"
-    assert " ± " in table.blocks[0].lines[0].cells[-1].text
-    assert r" $\pm$ " in latex.table(table)
+def test_mean_and_deviation_over_seeds():
+    results = results_of({("bisenet", "C"): [scores(0.4), scores(0.6), None]}, rows=("C",), seeds=3)
+    road = results.scores.loc[("BiSeNet", "C", "road")]
+    assert (road["ours"], road["std"]) == (50.0, pytest.approx(200**0.5))
+    table = tables("foggy_zurich", results, list(CLASSES), stand_in=False)[0]
+    assert table.cells["road"].iloc[0] == "50.0"
+    assert " ± " in table.cells.iloc[0, -1]
+    assert r" $\pm$ " in formats.latex([table], "")
     assert "Fewer seeds than asked for: BiSeNet C (2 of 3)." in table.notes
-    columns, rows = long_columns("foggy_zurich", results, ["0", "1", "2"])
-    assert rows[0][columns.index("seed_0") :] == ["40.0", "60.0", "--"]
-    assert float(rows[0][columns.index("spread")]) == pytest.approx(200**0.5)
+    first = lines_of(results).iloc[0]
+    assert list(first[["seed_0", "seed_1", "seed_2"]]) == ["40.0", "60.0", "--"]
+    assert float(first["std"]) == pytest.approx(200**0.5)
+
+
+def test_one_seed_has_no_deviation():
+    results = results_of({("bisenet", "C"): [scores(0.4)]}, rows=("C",))
+    assert set(lines_of(results)["std"]) == {""}
+    assert "±" not in formats.markdown(tables("foggy_zurich", results, list(CLASSES), stand_in=False))
 
 
 def test_csv_holds_unrounded_values_and_every_score():
-    results = results_of({("bisenet", "C"): [scores(1 / 3)]}, labels=(C,))
-    columns, rows = long_columns("foggy_zurich", results, ["0"])
-    assert [row[columns.index("score")] for row in rows] == [*CLASSES, ANNOTATED, AS_PUBLISHED]
-    assert float(rows[0][columns.index("ours")]) == 100 * 0.333
-    assert float(rows[0][columns.index("difference")]) == 100 * 0.333 - 67.1
+    lines = lines_of(results_of({("bisenet", "C"): [scores(1 / 3)]}, rows=("C",)))
+    assert list(lines["score"]) == list(NAMES)
+    assert float(lines["ours"][0]) == 100 * 0.333
+    assert float(lines["difference"][0]) == 100 * 0.333 - 67.1
 
 
 def test_bold_is_decided_on_what_is_printed_within_each_network():
@@ -194,10 +208,17 @@ def test_bold_is_decided_on_what_is_printed_within_each_network():
         ("bisenet", "FS-24500"): [scores(0.5)],
         ("refinenet", "C"): [scores(0.9)],
     }
-    results = results_of(runs, labels=(C, FS), networks=("refinenet", "bisenet"))
-    table = grids("foggy_zurich", results, list(CLASSES), ["0"], stand_in=False)[0]
-    bisenet = table.blocks[1]
-    assert (bisenet.network, bisenet.lines[0].cells[0].bold, bisenet.lines[1].cells[0].bold) == ("BiSeNet", True, True)
+    results = results_of(runs, rows=("C", "FS-24500"), networks=("refinenet", "bisenet"))
+    table = tables("foggy_zurich", results, list(CLASSES), stand_in=False)[0]
+    assert list(table.cells.index.unique("network")) == ["RefineNet", "BiSeNet"]
+    assert list(table.bold.loc["BiSeNet"]["road"]) == [True, True]
+
+
+def test_the_page_begins_with_the_means():
+    results = results_of({("bisenet", "C"): [scores(0.5)]}, rows=("C",))
+    page = formats.html(tables("foggy_zurich", results, list(CLASSES), stand_in=False), "t")
+    assert page.index("mean IoU, 19 annotated</th>") < page.index("road</th>")
+    assert page == formats.html(tables("foggy_zurich", results, list(CLASSES), stand_in=False), "t")
 
 
 def test_runs_scored_against_other_labels_are_refused():
@@ -209,8 +230,8 @@ def test_runs_scored_against_other_labels_are_refused():
 
 
 def test_rows_of_the_means_table_are_grouped_in_latex():
-    results = results_of({("bisenet", "C"): [scores(0.5, absent=(16,))]}, labels=(C,))
-    means = grids("foggy_zurich", results, list(CLASSES[:16] + CLASSES[17:]), ["0"], stand_in=False)[1]
-    text = latex.table(means)
+    results = results_of({("bisenet", "C"): [scores(0.5, absent=(16,))]}, rows=("C",))
+    means = tables("foggy_zurich", results, list(CLASSES[:16] + CLASSES[17:]), stand_in=False)[1]
+    text = formats.latex([means], "")
     assert r"\multicolumn{3}{c}{18 annotated} & \multicolumn{3}{c}{19 as published}" in text
     assert r"\cmidrule(lr){4-6} \cmidrule(lr){7-9}" in text

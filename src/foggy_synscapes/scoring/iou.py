@@ -28,7 +28,7 @@ def false_negatives(matrix: np.ndarray) -> np.ndarray:
 
 def annotated(matrix: np.ndarray) -> np.ndarray:
     """Whether the ground truth holds any pixel of each class, bool (C,)."""
-    return matrix.any(axis=1)
+    return np.asarray(matrix.any(axis=1))
 
 
 def iou(matrix: np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ def iou_as_cityscapes(matrix: np.ndarray) -> np.ndarray:
     return _ratio(true_positives(matrix), matrix.sum(axis=1) + false_positives(matrix))
 
 
-def mean_annotated(scores: Sequence[float]) -> float:
+def mean_annotated(scores: Sequence[float] | np.ndarray) -> float:
     """Mean over the scores that are defined; NaN if none is.
 
     Examples
@@ -66,7 +66,7 @@ def mean_annotated(scores: Sequence[float]) -> float:
     return reduce(add, defined, 0.0) / len(defined) if defined else float("nan")
 
 
-def mean_as_published(scores: Sequence[float]) -> float:
+def mean_as_published(scores: Sequence[float] | np.ndarray) -> float:
     """Mean over all classes, an undefined score counting as 0: the printed means of Tables I and II.
 
     Examples

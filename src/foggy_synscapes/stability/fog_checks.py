@@ -193,7 +193,7 @@ def _product(betas: np.ndarray, distances: np.ndarray, clear: int, light: int) -
     """Levels as this project renders them, (betas, distances)."""
     image = np.full((1, distances.size, 3), clear, np.uint8)
     depth = distances.astype(np.float32)[None]
-    return foggy_images(image, depth, straight(depth.shape), (light,) * 3, betas)[:, 0, :, 0]
+    return foggy_images(image, depth, straight(depth.shape), (light,) * 3, betas.tolist())[:, 0, :, 0]
 
 
 def _product_levels(reference: Exact) -> Check:

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foggy_synscapes.tradeoff.fog_variants import to_bfloat16
-
 
 @dataclass(frozen=True)
 class Format:
@@ -59,7 +57,7 @@ class Format:
         with np.errstate(all="ignore"):
             return self.cast(np.exp(-self.cast(self.cast(beta) * self.cast(distance))))
 
-    def levels(self, t: np.ndarray, clear: np.ndarray, airlight: np.ndarray) -> np.ndarray:
+    def levels(self, t: np.ndarray, clear: np.ndarray | float, airlight: np.ndarray | float) -> np.ndarray:
         """8-bit fog, floor(255 F + 0.5), rounded after each operation; values of the format in, uint8 out."""
         full, half, one = (self.cast(value) for value in (255.0, 0.5, 1.0))
         scaled = [self.cast(self.cast(value) / full) for value in (clear, airlight)]
@@ -68,6 +66,17 @@ class Format:
             radiance = self.cast(parts[0] + parts[1])
             level = np.floor(self.cast(self.cast(full * radiance) + half))
             return np.clip(np.nan_to_num(level.astype(np.float64)), 0, 255).astype(np.uint8)
+
+
+def to_bfloat16(values: np.ndarray) -> np.ndarray:
+    """Round float32 to the nearest bfloat16, ties to even; still stored as float32.
+
+    >>> to_bfloat16(np.array([1.0, 1.001, 1.01, np.inf], np.float32)).tolist()
+    [1.0, 1.0, 1.0078125, inf]
+    """
+    bits = values.view(np.uint32).astype(np.uint64)
+    rounded = ((bits + 0x7FFF + ((bits >> 16) & 1)) & 0xFFFF0000).astype(np.uint32)
+    return np.where(np.isfinite(values), rounded.view(np.float32), values)
 
 
 def _as_it_is(values: np.ndarray) -> np.ndarray:

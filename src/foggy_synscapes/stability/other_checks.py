@@ -28,8 +28,8 @@ def _airlight() -> Iterator[Check]:
     cases["600 pixels: one candidate"] = small, (220, 10, 12)
     for name, (image, (level, row, column)) in cases.items():
         expected, found = Airlight(level, level, level, row, column), estimate(image)
-        shown = [f"{light.levels} at {light.row}, {light.column}" for light in (expected, found)]
-        yield Check("airlight", "levels and pixel", name, "uint8", *shown, expected == found)
+        asked, got = (f"{light.levels} at {light.row}, {light.column}" for light in (expected, found))
+        yield Check("airlight", "levels and pixel", name, "uint8", asked, got, expected == found)
 
 
 def _learning_rate() -> Iterator[Check]:
@@ -37,9 +37,7 @@ def _learning_rate() -> Iterator[Check]:
     from foggy_synscapes.training.policy import Policy
 
     for steps in (1, 6125, 10**9):
-        policy = Policy(
-            **{**dict.fromkeys(Policy.__dataclass_fields__, 0), "learning_rate": 0.01, "schedule": "poly", "power": 0.9}
-        )
+        policy = Policy(learning_rate=0.01, schedule="poly", power=0.9, batch=1, crop=(1, 1), scale=(1, 1))
         found = policy.rate(steps - 1, steps)
         expected = 0.01 * math.exp(-0.9 * math.log(steps))
         off = abs(found / expected - 1)

@@ -1,1 +1,1 @@
-"""Tables: numbers in, text out. Rounding and bold marks, LaTeX, Markdown."""
+"""Tables: frames of numbers in, text out. Rounding and bold marks, LaTeX, Markdown, HTML."""

@@ -1,6 +1,5 @@
-"""How numbers are printed: one decimal, halves away from zero, and which of a column are bold."""
+"""How numbers are printed: one decimal, halves away from zero."""
 
-from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 
 MISSING = "--"  # a run that does not exist
@@ -26,23 +25,3 @@ def signed(value: float | Decimal, places: int = 1) -> str:
     """
     rounded = round_half_up(value, places)
     return f"+{rounded}" if rounded > 0 else str(rounded)
-
-
-def count(number: int) -> str:
-    """A number of images as the paper prints it.
-
-    >>> count(24500)
-    '24,500'
-    """
-    return f"{number:,}"
-
-
-def best(column: Sequence[Decimal | None]) -> list[bool]:
-    """Which printed values of one network's column are bold: the largest, with all its ties, unless it is zero.
-
-    >>> best([Decimal("1.0"), None, Decimal("1.0"), Decimal("0.5")]), best([Decimal("0.0"), Decimal("0.0")])
-    ([True, False, True, False], [False, False])
-    """
-    known = [value for value in column if value is not None]
-    top = max(known, default=Decimal(0))
-    return [value is not None and value == top and top > 0 for value in column]

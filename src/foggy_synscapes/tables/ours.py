@@ -1,104 +1,110 @@
 """Tables of the runs made here: in the paper's form, against the paper, and as one long CSV."""
 
-from collections.abc import Sequence
-from decimal import Decimal
+import pandas as pd
 
+from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.tables.grid import HEADS, Block, Cell, Grid, Head, Line, marked
-from foggy_synscapes.tables.numbers import DASH, MISSING, round_half_up, signed
+from foggy_synscapes.tables.numbers import DASH, MISSING, signed
 from foggy_synscapes.tables.paper import ABBREVIATIONS
-from foggy_synscapes.tables.paper import TITLES as PUBLISHED_TITLES
-from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, NAMES, Result, Score
+from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, MEANS, Results
+from foggy_synscapes.tables.table import HEADS, MEAN, Table, best, rounded
 
-TITLES = {**PUBLISHED_TITLES, "cityscapes": "clear Cityscapes validation"}
 STAND_IN = (
     "All images are the rendered stand-in, not the real datasets: compare rows with each other, not with the paper."
 )
 
 
-def grids(
-    test_set: str, results: list[Result], annotated: list[str] | None, seeds: Sequence[str], stand_in: bool
-) -> list[Grid]:
+def tables(test_set: str, results: Results, annotated: list[str] | None, stand_in: bool) -> list[Table]:
     """The table of our runs in the paper's form and, for a published test set, the tables against the paper."""
-    data = f"{TITLES[test_set]}{' (stand-in)' if stand_in else ''}"
-    number = len(annotated) if annotated is not None else None
-    notes = _notes(annotated, results, seeds, stand_in)
-    heads = [Head(HEADS.get(name, name)) for name in CLASSES] + _mean_heads(number)
-    ours = Grid(
+    data = f"{DATASETS[test_set].title}{' (stand-in)' if stand_in else ''}"
+    conventions = {
+        ANNOTATED: "annotated" if annotated is None else f"{len(annotated)} annotated",
+        AS_PUBLISHED: "19 as published",
+    }
+    heads = HEADS | {name: f"{MEAN}, {text}" for name, text in conventions.items()}
+    notes = _notes(annotated, results, stand_in)
+    cells, numbers = _ours(results)
+    ours = Table(
         name=f"{test_set}_ours",
         caption=f"Results on {data} of the runs made here: IoU in percent. {ABBREVIATIONS}",
-        heads=heads,
-        blocks=_blocks(results, _our_cells),
+        labels=results.labels,
+        cells=cells.rename(columns=heads),
+        bold=best(numbers),
         notes=notes,
     )
-    if all(score.published is None for result in results for score in result.scores.values()):
+    published = results.wide("published")
+    if published.isna().all(axis=None):
         return [ours]
-    notes = notes + _other_ground_truth(annotated, results)
-    means = Grid(
+    notes = notes + _other_ground_truth(annotated, published)
+    paper = rounded(published[MEANS])
+    differences = _differences(results)
+    beside = {
+        "paper": (paper.map("{:.1f}".format).where(paper.notna(), MISSING), paper),
+        "ours": (cells[MEANS], numbers[MEANS]),
+        "difference": (differences[MEANS].replace(DASH, MISSING), paper * float("nan")),
+    }
+    order = [(name, head) for name in MEANS for head in beside]
+    means = Table(
         name=f"{test_set}_means",
         caption=f"Mean IoU on {data} in percent: the paper, the runs made here, and their difference. {ABBREVIATIONS}",
-        heads=[
-            Head(head, group=group)
-            for group in (_convention(number), "19 as published")
-            for head in ("paper", "ours", "difference")
-        ],
-        blocks=_blocks(results, _mean_cells),
+        labels=results.labels,
+        cells=pd.DataFrame({(conventions[name], head): beside[head][0][name] for name, head in order}),
+        bold=best(pd.DataFrame({(conventions[name], head): beside[head][1][name] for name, head in order})),
         notes=notes,
         upright=True,
     )
-    difference = Grid(
+    difference = Table(
         name=f"{test_set}_difference",
         caption=f"Difference on {data}, the runs made here minus the paper: IoU in points of percent. {ABBREVIATIONS}",
-        heads=heads,
-        blocks=_blocks(results, _difference_cells),
+        labels=results.labels,
+        cells=differences.rename(columns=heads),
+        bold=pd.DataFrame(False, index=differences.index, columns=differences.columns),
         notes=notes,
     )
     return [ours, means, difference]
 
 
-def long_columns(test_set: str, results: list[Result], seeds: Sequence[str]) -> tuple[list[str], list[list[str]]]:
-    """Columns and rows of the CSV: one row per network, row and score, unrounded; see `docs/tables.md`."""
-    columns = ["test_set", "network", "row", "training", "fine_tuning", "images", "score"]
-    columns += ["published", "ours", "spread", "difference", *(f"seed_{seed}" for seed in seeds)]
-    table = []
-    for result in results:
-        label = result.label
-        labels = [test_set, result.network, label.row, label.training, label.fine_tuning, label.images_text]
-        for name in NAMES:
-            score = result.scores[name]
-            published = "" if score.published is None else str(score.published)
-            runs = iter(score.runs)
-            per_seed = [_number(next(runs)) if made else MISSING for made in result.made]
-            ours = _number(score.mean) if any(result.made) else MISSING
-            difference = MISSING if not any(result.made) else "" if score.difference is None else repr(score.difference)
-            spread = "" if score.spread is None else repr(score.spread)
-            table.append([*labels, name, published, ours, spread, difference, *per_seed])
-    return columns, table
+def long_csv(test_set: str, results: Results) -> str:
+    """One line per network, row and score, unrounded; see `docs/tables.md`."""
+    made = results.made.loc[results.scores.index.droplevel("score")].set_axis(results.scores.index)
+    scores = results.scores.astype(object)
+    for column in (*made.columns, "ours"):
+        here = made[column] if column in made else made.any(axis=1)
+        scores[column] = scores[column].where(scores[column].notna(), DASH).where(here, MISSING)
+    scores["difference"] = scores["difference"].where(made.any(axis=1), MISSING)
+    # Of one seed there is no deviation.
+    numbers = scores[["published", "ours", "std", "difference", *made.columns]].reset_index("score")
+    lines = results.labels.join(numbers.rename(columns={seed: f"seed_{seed}" for seed in made}), how="right")
+    lines = lines.reset_index()
+    lines.insert(0, "test_set", test_set)
+    return lines.to_csv(index=False, lineterminator="\n")
 
 
-def means(results: list[Result]) -> dict[str, dict[str, float]]:
+def means(results: Results) -> dict[str, dict[str, float]]:
     """Mean IoU over the annotated classes by network and row, where it was run: what `dvc metrics` compares."""
     found: dict[str, dict[str, float]] = {}
-    for result in results:
-        mean = result.scores[ANNOTATED].mean
-        if mean is not None:
-            found.setdefault(result.network, {})[result.label.row] = mean
+    for (network, row), mean in results.wide("ours")[ANNOTATED].dropna().items():
+        found.setdefault(network, {})[row] = mean
     return found
 
 
-def _number(value: float | None) -> str:
-    return DASH if value is None else repr(value)
+def _ours(results: Results) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Our scores as printed, and as numbers: NaN where there are none."""
+    numbers, spread = rounded(results.wide("ours")), rounded(results.wide("std")[MEANS])
+    cells = numbers.map("{:.1f}".format).where(numbers.notna(), DASH)
+    cells[MEANS] = cells[MEANS].where(spread.isna(), cells[MEANS] + " ± " + spread.map("{:.1f}".format))
+    return cells.where(results.made.any(axis=1), MISSING, axis=0), numbers
 
 
-def _convention(annotated: int | None) -> str:
-    return "annotated" if annotated is None else f"{annotated} annotated"
+def _differences(results: Results) -> pd.DataFrame:
+    """Ours minus published as printed; a class that our ground truth does not hold has a dash."""
+    differences, undefined = results.wide("difference"), results.wide("ours").isna()
+    cells = differences.map(signed, na_action="ignore").astype(object)
+    return cells.where(differences.notna(), MISSING).mask(undefined.mul(results.made.any(axis=1), axis=0), DASH)
 
 
-def _mean_heads(annotated: int | None) -> list[Head]:
-    return [Head(f"mean IoU, {_convention(annotated)}", bold=True), Head("mean IoU, 19 as published", bold=True)]
-
-
-def _notes(annotated: list[str] | None, results: list[Result], seeds: Sequence[str], stand_in: bool) -> list[str]:
+def _notes(annotated: list[str] | None, results: Results, stand_in: bool) -> list[str]:
+    made, seeds = results.made, list(results.made.columns)
     notes = [STAND_IN] if stand_in else []
     if annotated is not None:
         absent = [name for name in CLASSES if name not in annotated]
@@ -109,81 +115,18 @@ def _notes(annotated: list[str] | None, results: list[Result], seeds: Sequence[s
         )
     if len(seeds) > 1:
         notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation.")
-    if not all(any(result.made) for result in results):
+    if not made.any(axis=1).all():
         notes.append(f"{MISSING}: not run.")
-    partial = [r for r in results if any(r.made) and not all(r.made)]
-    if partial:
-        names = [f"{r.network} {r.label.row} ({sum(r.made)} of {len(r.made)})" for r in partial]
+    partial = made[made.any(axis=1) & ~made.all(axis=1)]
+    if not partial.empty:
+        names = [f"{' '.join(key)} ({count} of {len(seeds)})" for key, count in partial.sum(axis=1).items()]
         notes.append(f"Fewer seeds than asked for: {', '.join(names)}.")
     return notes
 
 
-def _other_ground_truth(annotated: list[str] | None, results: list[Result]) -> list[str]:
+def _other_ground_truth(annotated: list[str] | None, published: pd.DataFrame) -> list[str]:
     """A note where the paper's ground truth has other classes than the one here."""
-    published = {name for r in results for name in CLASSES if r.scores[name].published is not None}
-    if annotated is None or published == set(annotated):
+    known = {name for name in CLASSES if published[name].notna().any()}
+    if annotated is None or known == set(annotated):
         return []
-    return [f"The paper's column is over its own {len(published)} annotated classes."]
-
-
-def _blocks(results: list[Result], cells) -> list[Block]:
-    blocks = []
-    for network in dict.fromkeys(result.network for result in results):
-        own = [result for result in results if result.network == network]
-        lines = zip(own, cells(own), strict=True)
-        blocks.append(
-            Block(
-                network, [Line(r.label.training, r.label.fine_tuning, r.label.images_text, line) for r, line in lines]
-            )
-        )
-    return blocks
-
-
-def _our_cells(results: list[Result]) -> list[list[Cell]]:
-    values = [[_rounded(result.scores[name].mean) for name in NAMES] for result in results]
-    texts = [
-        [_text(result, result.scores[name], spread=name in (ANNOTATED, AS_PUBLISHED)) for name in NAMES]
-        for result in results
-    ]
-    return marked(values, texts)
-
-
-def _mean_cells(results: list[Result]) -> list[list[Cell]]:
-    values, texts = [], []
-    for result in results:
-        numbers, printed = [], []
-        for name in (ANNOTATED, AS_PUBLISHED):
-            score = result.scores[name]
-            paper = None if score.published is None else round_half_up(score.published)
-            numbers += [paper, _rounded(score.mean), None]
-            printed += [MISSING if paper is None else str(paper), _text(result, score, spread=True), _difference(score)]
-        values.append(numbers)
-        texts.append(printed)
-    return marked(values, texts)
-
-
-def _difference_cells(results: list[Result]) -> list[list[Cell]]:
-    return [
-        [
-            Cell(DASH if any(result.made) and result.scores[name].mean is None else _difference(result.scores[name]))
-            for name in NAMES
-        ]
-        for result in results
-    ]
-
-
-def _difference(score: Score) -> str:
-    return MISSING if score.difference is None else signed(score.difference)
-
-
-def _text(result: Result, score: Score, spread: bool) -> str:
-    if not any(result.made):
-        return MISSING
-    if score.mean is None:
-        return DASH
-    text = str(_rounded(score.mean))
-    return f"{text} ± {round_half_up(score.spread)}" if spread and score.spread is not None else text
-
-
-def _rounded(value: float | None) -> Decimal | None:
-    return None if value is None else round_half_up(value)
+    return [f"The paper's column is over its own {len(known)} annotated classes."]

@@ -1,99 +1,95 @@
 """The scores of the runs made here, beside the published ones."""
 
 import math
+import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from typing import Any
 
+import pandas as pd
+
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.tables.numbers import count
-from foggy_synscapes.tables.published import PublishedRow
+from foggy_synscapes.networks import NETWORKS
+from foggy_synscapes.tables.published import mean_of_classes
+from foggy_synscapes.tables.table import LABELS, MEAN, ROW
 
-NETWORKS = {"refinenet": "RefineNet", "bisenet": "BiSeNet"}
 ANNOTATED, AS_PUBLISHED = "mean IoU annotated", "mean IoU as published"
-NAMES = (*CLASSES, ANNOTATED, AS_PUBLISHED)
+MEANS = [ANNOTATED, AS_PUBLISHED]
+NAMES = (*CLASSES, *MEANS)
 
 
 @dataclass(frozen=True)
-class RowLabel:
-    """A printed row: its key, what is printed for it, the published number of images and the number used here."""
+class Results:
+    """All scores of all networks and rows.
 
-    row: str
-    training: str
-    fine_tuning: str
-    images: int | None
-    here: int | None
+    labels : text, by `table.ROW` and `table.LABELS`
+    made : by `table.ROW` and seed: whether the run exists
+    scores : by `table.ROW` and score: `published` (Decimal), each seed, `ours` (mean over the seeds), `std` (n - 1)
+        and `difference` (ours minus published); IoU in percent, unrounded, NaN where there is none
+    """
 
-    @property
-    def images_text(self) -> str:
-        """The number of images, and how it was scaled: "24,500 -> 600 here"."""
-        if self.here is None:
-            return "" if self.images is None else count(self.images)
-        if self.images is None:
-            return f"{count(self.here)} here"
-        return count(self.here) if self.here == self.images else f"{count(self.images)} -> {count(self.here)} here"
+    labels: pd.DataFrame
+    made: pd.DataFrame
+    scores: pd.DataFrame
 
-
-@dataclass(frozen=True)
-class Score:
-    """One number: as published, and in each run made here; None where it is not there or undefined."""
-
-    published: Decimal | None
-    runs: tuple[float | None, ...]
-
-    @property
-    def mean(self) -> float | None:
-        """Mean over the runs in which it is defined."""
-        known = [value for value in self.runs if value is not None]
-        return math.fsum(known) / len(known) if known else None
-
-    @property
-    def spread(self) -> float | None:
-        """Standard deviation over the runs (n - 1), None for fewer than two."""
-        known = [value for value in self.runs if value is not None]
-        if len(known) < 2:
-            return None
-        mean = math.fsum(known) / len(known)
-        return math.sqrt(math.fsum((value - mean) ** 2 for value in known) / (len(known) - 1))
-
-    @property
-    def difference(self) -> float | None:
-        """Ours minus published."""
-        return None if self.mean is None or self.published is None else self.mean - float(self.published)
+    def wide(self, column: str) -> pd.DataFrame:
+        """One column of the scores as a table: a line per row, a column per score."""
+        return self.scores[column].unstack("score").loc[self.made.index, list(NAMES)]
 
 
-@dataclass(frozen=True)
-class Result:
-    """All scores of one network and row; `made` says for each seed whether its run exists."""
+def images_text(published: int | None, here: int | None) -> str:
+    """A number of images as printed, and how it was scaled; empty where there is none.
 
-    network: str
-    label: RowLabel
-    made: tuple[bool, ...]
-    scores: dict[str, Score]
+    >>> images_text(24500, 600), images_text(498, 498), images_text(None, 400), images_text(498, None)
+    ('24,500 -> 600 here', '498', '400 here', '498')
+    """
+    if here is None:
+        return "" if published is None else f"{published:,}"
+    if published is None:
+        return f"{here:,} here"
+    return f"{here:,}" if here == published else f"{published:,} -> {here:,} here"
+
+
+def _defined(score: float | None) -> float:
+    return math.nan if score is None else score
 
 
 def collect(
-    networks: Sequence[str],
-    labels: Sequence[RowLabel],
-    runs: Mapping[tuple[str, str], Sequence[dict[str, Any] | None]],
-    published: Sequence[PublishedRow],
-) -> list[Result]:
-    """Put the metrics of runs, by (network, row) and then by seed, beside the published rows.
+    labels: Mapping[str, Sequence[str]],
+    runs: Mapping[tuple[str, str], Mapping[str, dict[str, Any] | None]],
+    published: pd.DataFrame,
+) -> Results:
+    """Put the metrics of runs beside the published rows.
 
-    A run that does not exist is None. Rows that the paper does not have get no published numbers.
+    labels : by row, what is printed for it, see `table.LABELS`
+    runs : by (network, row) and seed, the metrics; None for a run that does not exist
+    published : see `published.load`; rows that the paper does not have get no published numbers
     """
-    printed = {(row.network, row.row): _published(row) for row in published}
-    results = []
-    for network in networks:
-        name = NETWORKS.get(network, network)
-        for label in labels:
-            documents = runs[network, label.row]
-            known = printed.get((name, label.row), {})
-            ours = [_ours(document) for document in documents if document is not None]
-            scores = {key: Score(known.get(key), tuple(values[key] for values in ours)) for key in NAMES}
-            results.append(Result(name, label, tuple(document is not None for document in documents), scores))
-    return results
+    means = {ANNOTATED: mean_of_classes(published, annotated=True), AS_PUBLISHED: published[MEAN]}
+    printed = published[list(CLASSES)].assign(**means).to_dict("index")
+    titled = {(NETWORKS[network].title, row): by_seed for (network, row), by_seed in runs.items()}
+    index = pd.MultiIndex.from_tuples(list(titled), names=ROW)
+    lines = []
+    for key, by_seed in titled.items():
+        ours = {seed: _scores(document) for seed, document in by_seed.items()}
+        for name in NAMES:
+            line = {seed: _defined(values.get(name)) for seed, values in ours.items()}
+            known = [value for value in line.values() if not math.isnan(value)]
+            line |= {
+                "ours": statistics.fmean(known) if known else math.nan,
+                "std": statistics.stdev(known) if len(known) > 1 else math.nan,
+            }
+            lines.append([*key, name, printed.get(key, {}).get(name, math.nan), *line.values()])
+    seeds = list(next(iter(titled.values())))
+    made = [[document is not None for document in by_seed.values()] for by_seed in titled.values()]
+    scores = pd.DataFrame(lines, columns=[*ROW, "score", "published", *seeds, "ours", "std"])
+    scores["published"] = scores["published"].astype(object)
+    scores["difference"] = scores["ours"] - scores["published"].astype(float)
+    return Results(
+        labels=pd.DataFrame([labels[row] for _, row in index], index=index, columns=LABELS),
+        made=pd.DataFrame(made, index=index, columns=seeds),
+        scores=scores.set_index([*ROW, "score"]),
+    )
 
 
 def annotated_classes(documents: Sequence[dict[str, Any]]) -> list[str] | None:
@@ -118,11 +114,9 @@ def annotated_classes(documents: Sequence[dict[str, Any]]) -> list[str] | None:
     return None if found is None else found[0]
 
 
-def _published(row: PublishedRow) -> dict[str, Decimal | None]:
-    return {**row.iou, ANNOTATED: row.mean_of_classes(annotated=True), AS_PUBLISHED: row.mean}
-
-
-def _ours(document: dict[str, Any]) -> dict[str, float | None]:
+def _scores(document: dict[str, Any] | None) -> dict[str, float | None]:
+    if document is None:
+        return {}
     means = document["mean_iou"]
     classes = {entry["name"]: entry["iou"] for entry in document["classes"]}
     return {**classes, ANNOTATED: means["annotated"], AS_PUBLISHED: means["as_published"]}

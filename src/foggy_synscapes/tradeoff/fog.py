@@ -5,14 +5,15 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.io.progress import progress
+from foggy_synscapes.tables.numbers import MISSING
 from foggy_synscapes.tradeoff.fog_variants import Variant, variants
 from foggy_synscapes.tradeoff.pareto import SAME_TIME, front
 
-COLUMNS = ("variant", "about", "cpu_ms", "changed_percent", "largest_change", "mean_change", "pareto")
 OURS = "compiled"
 
 Frame = tuple[np.ndarray, np.ndarray, Camera]
@@ -27,6 +28,13 @@ class Score:
     changed: float
     largest: int
     mean: float
+
+    @property
+    def ms(self) -> float:
+        """The CPU time of a variant that was timed; ValueError of one that is emulated."""
+        if self.cpu_ms is None:
+            raise ValueError(f"{self.variant.name}: was not timed")
+        return self.cpu_ms
 
 
 def measure(frames: list[Frame], betas: list[float], repeats: int) -> list[Score]:
@@ -53,7 +61,7 @@ def measure(frames: list[Frame], betas: list[float], repeats: int) -> list[Score
 def pareto_front(scores: list[Score]) -> list[str]:
     """Names of the variants that none beats in time and mean change (see `front`)."""
     timed = [score for score in scores if score.cpu_ms is not None]
-    best = front([(score.cpu_ms, score.mean) for score in timed])
+    best = front([(score.ms, score.mean) for score in timed])
     return [score.variant.name for score, kept in zip(timed, best, strict=True) if kept]
 
 
@@ -62,11 +70,11 @@ def paragraph(scores: list[Score], what: str) -> str:
     named = {score.variant.name: score for score in scores}
     ours, plain = named[OURS], scores[0]
     exact = [score for score in scores if score.cpu_ms is not None and score.changed == 0]
-    quickest = min(exact, key=lambda score: score.cpu_ms)
-    faster = [score for score in scores if score.cpu_ms is not None and SAME_TIME * score.cpu_ms < ours.cpu_ms]
+    quickest = min(exact, key=lambda score: score.ms)
+    faster = [score for score in scores if score.cpu_ms is not None and SAME_TIME * score.ms < ours.ms]
     text = [
-        f"Fog at {what}: the default is **{OURS}**, {ours.cpu_ms:.1f} ms of CPU time per image,",
-        f"{plain.cpu_ms / ours.cpu_ms:.0f} times faster than {plain.variant.name} ({plain.cpu_ms:.0f} ms).",
+        f"Fog at {what}: the default is **{OURS}**, {ours.ms:.1f} ms of CPU time per image,",
+        f"{plain.ms / ours.ms:.0f} times faster than {plain.variant.name} ({plain.ms:.0f} ms).",
     ]
     if ours.changed == 0 and quickest is ours:
         text.append("Of the variants that change no sample it is the fastest.")
@@ -76,7 +84,7 @@ def paragraph(scores: list[Score], what: str) -> str:
         )
     for score in faster:
         text.append(
-            f"{score.variant.name} would take {score.cpu_ms:.1f} ms and change {score.changed:.2g} % of the samples, "
+            f"{score.variant.name} would take {score.ms:.1f} ms and change {score.changed:.2g} % of the samples, "
             f"by up to {score.largest}."
         )
     rough = [f"{score.variant.name} {score.changed:.2g} % (up to {score.largest})" for score in scores if score.changed]
@@ -84,12 +92,21 @@ def paragraph(scores: list[Score], what: str) -> str:
     return " ".join(text)
 
 
-def row(score: Score, best: bool) -> tuple[str, ...]:
-    """Cells of a variant, by `COLUMNS`."""
-    cpu = "--" if score.cpu_ms is None else f"{score.cpu_ms:.1f}"
-    variant = score.variant
-    numbers = cpu, f"{score.changed:.3g}", str(score.largest), f"{score.mean:.3g}"
-    return variant.name, variant.about, *numbers, "yes" if best else ""
+def table(scores: list[Score], best: list[str]) -> pd.DataFrame:
+    """One line of text per variant; best : names of those on the front."""
+    lines = [
+        {
+            "variant": score.variant.name,
+            "about": score.variant.about,
+            "cpu_ms": MISSING if score.cpu_ms is None else f"{score.cpu_ms:.1f}",
+            "changed_percent": f"{score.changed:.3g}",
+            "largest_change": str(score.largest),
+            "mean_change": f"{score.mean:.3g}",
+            "pareto": "yes" if score.variant.name in best else "",
+        }
+        for score in scores
+    ]
+    return pd.DataFrame(lines)
 
 
 def _foggy(variant: Variant, frame: Frame, betas: list[float]) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.fog.geometry import Rays, rays, straight
 from foggy_synscapes.fog.optics import foggy_images
+from foggy_synscapes.stability.formats import to_bfloat16
 
 BLOCK = 8  # rows: what is worked on at once stays in the processor's cache
 
@@ -77,7 +78,7 @@ def _plain(dtype: type) -> Way:
         light = np.array(airlight, dtype) / dtype(255)
         for rows, pixels, metres, lines in _blocks(image, depth, rays(camera)):
             # The factor is the camera's and is made once in float64; what is stored and computed on is `dtype`.
-            distance = metres.astype(dtype) * lines.factor().astype(dtype)
+            distance: np.ndarray = metres.astype(dtype) * lines.factor().astype(dtype)
             clear = _radiance(pixels, dtype)
             for beta, foggy in zip(betas, out, strict=True):
                 _mix(np.exp(dtype(-beta) * distance), clear, light, foggy[rows])
@@ -113,7 +114,7 @@ def _shared(
 def _emulated(
     image: np.ndarray, depth: np.ndarray, camera: Camera, airlight: Light, betas: Sequence[float]
 ) -> np.ndarray:
-    def cast(values: np.ndarray) -> np.ndarray:
+    def cast(values: np.ndarray | float) -> np.ndarray:
         return to_bfloat16(np.asarray(values, np.float32))
 
     out = np.empty((len(betas), *image.shape), np.uint8)
@@ -125,17 +126,6 @@ def _emulated(
             radiance = cast(cast(t * clear) + cast(cast(1 - t) * light))
             foggy[rows] = np.clip(np.floor(cast(cast(radiance * 255) + np.float32(0.5))), 0, 255).astype(np.uint8)
     return out
-
-
-def to_bfloat16(values: np.ndarray) -> np.ndarray:
-    """Round float32 to the nearest bfloat16, ties to even; still stored as float32.
-
-    >>> to_bfloat16(np.array([1.0, 1.001, 1.01, np.inf], np.float32)).tolist()
-    [1.0, 1.0, 1.0078125, inf]
-    """
-    bits = values.view(np.uint32).astype(np.uint64)
-    rounded = ((bits + 0x7FFF + ((bits >> 16) & 1)) & 0xFFFF0000).astype(np.uint32)
-    return np.where(np.isfinite(values), rounded.view(np.float32), values)
 
 
 def _half_depth(

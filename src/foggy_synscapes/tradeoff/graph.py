@@ -47,6 +47,8 @@ class PairedStem(nn.Module):
     Gathering 12 values at 16 places is quicker than 3 values at 49: in 8 bits it halves the time of the layer.
     """
 
+    weight: Tensor
+
     def __init__(self, convolution: nn.Conv2d) -> None:
         super().__init__()
         weights = functional.pad(convolution.weight.detach(), (1, 0, 1, 0))  # 8x8, so that pairs of pixels fit

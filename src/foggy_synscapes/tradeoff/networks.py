@@ -10,11 +10,11 @@ import numpy as np
 import torch
 
 from foggy_synscapes.io.progress import progress
+from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
 from foggy_synscapes.tables.numbers import signed
-from foggy_synscapes.tables.results import NETWORKS
 from foggy_synscapes.tradeoff.compare import Difference
 from foggy_synscapes.tradeoff.graph import Graph
 from foggy_synscapes.tradeoff.pareto import front
@@ -45,18 +45,32 @@ class Score:
     changed: float | None = None
 
     @property
+    def ms(self) -> float:
+        """The CPU time of a way that was measured; ValueError of any other."""
+        if self.cpu_ms is None:
+            raise ValueError(f"{self.network}, {self.way}: was not measured")
+        return self.cpu_ms
+
+    @property
+    def measured(self) -> dict[str, Any]:
+        """The scores of a way that was measured; ValueError of any other."""
+        if self.scores is None:
+            raise ValueError(f"{self.network}, {self.way}: was not measured")
+        return self.scores
+
+    @property
     def miou(self) -> float:
         """Mean IoU over the annotated classes, in percent."""
-        return self.scores["mean_iou"]["annotated"]
+        return self.measured["mean_iou"]["annotated"]
 
     def change(self, reference: "Score") -> dict[str, float]:
         """IoU of each annotated class less that of another way, in points."""
-        pairs = zip(self.scores["classes"], reference.scores["classes"], strict=True)
+        pairs = zip(self.measured["classes"], reference.measured["classes"], strict=True)
         return {one["name"]: one["iou"] - other["iou"] for one, other in pairs if one["iou"] is not None}
 
 
 @dataclass(frozen=True)
-class Way:
+class Backend:
     """Functions of an image: trainIds alone, which is timed, and logits with trainIds, to compare."""
 
     classes: Callable[[np.ndarray], np.ndarray]
@@ -74,14 +88,14 @@ def measure(
     reference = _eager(model, 1.0, torch.float32)
     scores = []
     for scale in scales:
-        ways = ways_at(model, scale, calibration)
+        backends = backends_at(model, scale, calibration)
         scores += [Score(name, scale, way) for way in WAYS]
         found = dict(zip(WAYS, scores[-len(WAYS) :], strict=True))
-        times: dict[str, list[float]] = {way: [] for way in ways}
-        tallies, differences = {way: Tally() for way in ways}, {way: Difference() for way in ways}
+        times: dict[str, list[float]] = {way: [] for way in backends}
+        tallies, differences = {way: Tally() for way in backends}, {way: Difference() for way in backends}
         for rgb, labels, called in progress(samples, f"tradeoff {name} at {scale:g}"):
             logits = reference.outputs(rgb)[0]
-            for way, run in ways.items():
+            for way, run in backends.items():
                 # The first call finds its memory; the second is timed.
                 own, classes = run.outputs(rgb)
                 differences[way].add(logits, own, classes)
@@ -90,7 +104,7 @@ def measure(
                 started = time.thread_time()
                 run.classes(rgb)
                 times[way].append(1000 * (time.thread_time() - started))
-        for way in ways:
+        for way in backends:
             score = found[way]
             score.cpu_ms = statistics.median(times[way])
             score.scores = summarize(tallies[way].matrix("labelIds", "trainIds"), len(samples))
@@ -98,25 +112,25 @@ def measure(
     return scores
 
 
-def ways_at(model: Model, scale: float, calibration: Sequence[np.ndarray]) -> dict[str, Way]:
+def backends_at(model: Model, scale: float, calibration: Sequence[np.ndarray]) -> dict[str, Backend]:
     """Those of `WAYS` that this machine can compute and has the packages for."""
-    ways = {EAGER: _eager(model, scale, torch.float32)}
+    backends = {EAGER: _eager(model, scale, torch.float32)}
     if torch.ops.mkldnn._is_mkldnn_bf16_supported():
-        ways[BFLOAT16] = _eager(model, scale, torch.bfloat16)
+        backends[BFLOAT16] = _eager(model, scale, torch.bfloat16)
     try:
         from foggy_synscapes.tradeoff.onnx_export import to_onnx
         from foggy_synscapes.tradeoff.quantize import to_int8
 
         graph = to_onnx(model, scale)
-        ways[ONNX] = _session(graph)
-        ways[INT8] = _session(to_int8(graph, calibration))
+        backends[ONNX] = _session(graph)
+        backends[INT8] = _session(to_int8(graph, calibration))
     except ImportError:
         # The table prints -- for them, and the text says which packages are missing.
-        return ways
-    return ways
+        return backends
+    return backends
 
 
-def _eager(model: Model, scale: float, dtype: torch.dtype) -> Way:
+def _eager(model: Model, scale: float, dtype: torch.dtype) -> Backend:
     graph = Graph(model, scale).eval()
 
     def outputs(rgb: np.ndarray) -> Outputs:
@@ -124,21 +138,21 @@ def _eager(model: Model, scale: float, dtype: torch.dtype) -> Way:
             logits, classes = graph(torch.from_numpy(rgb)[None])
         return logits[0].numpy(), classes[0].numpy()
 
-    return Way(lambda rgb: outputs(rgb)[1], outputs)
+    return Backend(lambda rgb: outputs(rgb)[1], outputs)
 
 
-def _session(graph: bytes) -> Way:
+def _session(graph: bytes) -> Backend:
     from foggy_synscapes.tradeoff.onnx_export import with_output
     from foggy_synscapes.tradeoff.session import Session
 
     whole, alone = Session(graph, THREADS), Session(with_output(graph, "classes"), THREADS)
-    return Way(lambda rgb: alone(rgb, "classes"), lambda rgb: (whole(rgb, "logits"), whole(rgb, "classes")))
+    return Backend(lambda rgb: alone(rgb, "classes"), lambda rgb: (whole(rgb, "logits"), whole(rgb, "classes")))
 
 
 def pareto_front(scores: Sequence[Score]) -> list[bool]:
     """Which ways none beats in time and mean IoU, over all networks; those that were not measured do not count."""
     measured = [number for number, score in enumerate(scores) if score.cpu_ms is not None]
-    best = front([(scores[number].cpu_ms, -scores[number].miou) for number in measured])
+    best = front([(scores[number].ms, -scores[number].miou) for number in measured])
     kept = {number for number, good in zip(measured, best, strict=True) if good}
     return [number in kept for number in range(len(scores))]
 
@@ -152,7 +166,7 @@ def recommended(scores: Sequence[Score], network: str) -> Score:
     """The fastest way that loses at most `LITTLE` points of mean IoU."""
     least = reference_of(scores, network).miou - LITTLE
     good = [score for score in scores if score.network == network and score.cpu_ms is not None and score.miou >= least]
-    return min(good, key=lambda score: score.cpu_ms)
+    return min(good, key=lambda score: score.ms)
 
 
 def paragraph(scores: Sequence[Score]) -> str:
@@ -161,15 +175,15 @@ def paragraph(scores: Sequence[Score]) -> str:
     for network in dict.fromkeys(score.network for score in scores):
         plain, chosen = reference_of(scores, network), recommended(scores, network)
         text = [
-            f"{NETWORKS.get(network, network)}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image "
+            f"{NETWORKS[network].title}: PyTorch in float32 takes {plain.ms:.1f} ms of one thread per image "
             f"and reaches a mean IoU of {plain.miou:.2f} %."
         ]
         if chosen is plain:
             text.append(f"No other way is faster and within {LITTLE} points of that: take **{EAGER}**.")
         else:
             text.append(
-                f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.cpu_ms:.1f} ms, "
-                f"{plain.cpu_ms / chosen.cpu_ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
+                f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.ms:.1f} ms, "
+                f"{plain.ms / chosen.ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
                 f"{chosen.changed:.2g} % of the pixels of another class; it is the fastest that loses at most {LITTLE} "
                 "points."
             )
@@ -188,6 +202,6 @@ def _step(score: Score, plain: Score) -> str:
     if score.cpu_ms is None:
         return ""
     return (
-        f"{score.way} at scale {score.scale:g} is {plain.cpu_ms / score.cpu_ms:.1f} times as fast at "
+        f"{score.way} at scale {score.scale:g} is {plain.ms / score.ms:.1f} times as fast at "
         f"{signed(score.miou - plain.miou, 2)} points."
     )

@@ -9,7 +9,7 @@ import logging
 import warnings
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import torch
 
@@ -50,6 +50,7 @@ def to_onnx(model: Model, scale: float = 1.0) -> bytes:
             opset_version=OPSET,
             verbose=False,
         )
+    assert program is not None  # None is for the exporter that dynamo=False asks for
     proto = program.model_proto
     _strip(proto)
     _pool(proto.graph)
@@ -104,7 +105,7 @@ def _pool(graph: "GraphProto") -> None:
     _replace(graph.initializer, [one for one in graph.initializer if one.name in used])
 
 
-def _replace(field: object, items: list) -> None:
+def _replace(field: Any, items: list) -> None:
     """Fill a repeated field anew; what it held may be among the new items."""
     copies = [type(item).FromString(item.SerializeToString()) for item in items]
     del field[:]

@@ -5,18 +5,13 @@ import statistics
 import time
 from dataclasses import dataclass
 
+from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.tables.numbers import signed
-from foggy_synscapes.tables.results import NETWORKS
 from foggy_synscapes.training import loop
 from foggy_synscapes.training.forward import Arithmetic
 from foggy_synscapes.training.loader import Sample, Samples
 from foggy_synscapes.training.policy import Policy
-
-COLUMNS = ("network", "row", "images", "iterations", "cpu_seconds_per_iteration", "cpu_minutes", "miou")
-
-
-HEADS = ("Network", "Row", "Images", "Iterations", "CPU s per iteration", "CPU minutes", "mIoU")
 
 
 @dataclass(frozen=True)
@@ -85,7 +80,7 @@ def paragraph(costs: list[Cost]) -> str:
             else f"mean IoU changes by {signed(more.miou - less.miou, 2)} points"
         )
         text.append(
-            f"{NETWORKS.get(network, network)}: {more.row} ({more.images:,} images) takes "
+            f"{NETWORKS[network].title}: {more.row} ({more.images:,} images) takes "
             f"{more.minutes / less.minutes:.1f} times as long as {less.row} ({less.images:,}); {bought}."
         )
     return " ".join(text)

@@ -6,58 +6,38 @@ Source: Hahner, Dai, Sakaridis, Zaech and Van Gool, Semantic Understanding of Fo
 ITSC 2019.
 """
 
-import csv
-from dataclasses import dataclass
 from decimal import Decimal
 from importlib import resources
 
+import numpy as np
+import pandas as pd
+
 from foggy_synscapes.labels import CLASSES
+from foggy_synscapes.tables.table import MEAN, ROW
 
-TEST_SETS = ("foggy_driving", "foggy_zurich")
-MEAN = "mean IoU"
-
-
-@dataclass(frozen=True)
-class PublishedRow:
-    """One printed row: labels, IoU in percent by class (None where a dash stands), and the printed mean."""
-
-    network: str
-    row: str
-    training: str
-    fine_tuning: str
-    images: int | None
-    label_line: int
-    value_line: int
-    iou: dict[str, Decimal | None]
-    mean: Decimal
-
-    def mean_of_classes(self, annotated: bool) -> Decimal:
-        """Mean of the printed classes: over those with a number, or over all 19, a dash counting as 0."""
-        known = [value for value in self.iou.values() if value is not None]
-        return sum(known) / (len(known) if annotated else len(self.iou))
+TEST_SETS = sorted(
+    file.name.removesuffix(".csv") for file in resources.files(__package__).iterdir() if file.name.endswith(".csv")
+)
 
 
-def load(test_set: str) -> list[PublishedRow]:
-    """Rows of one table, in printed order; an empty list for a test set that the paper does not have.
+def load(test_set: str) -> pd.DataFrame:
+    """Rows of one table by network and row, in printed order; none for a test set that the paper does not have.
 
-    >>> [row.mean for row in load("foggy_zurich") if row.row == "FC-FS-498"]
-    [Decimal('41.4'), Decimal('30.9')]
+    Labels are text. Classes and `MEAN` are IoU in percent as Decimal, NaN where a dash stands.
+
+    >>> [str(mean) for mean in load("foggy_driving").xs("FC-FS-498", level="row")["mean IoU"]]
+    ['50.7', '35.2']
     """
-    if test_set not in TEST_SETS:
-        return []
-    text = resources.files(__package__).joinpath(f"{test_set}.csv").read_text(encoding="utf-8")
-    return [_row(cells) for cells in csv.DictReader(text.splitlines())]
+    known = test_set in TEST_SETS
+    with resources.files(__package__).joinpath(f"{test_set if known else TEST_SETS[0]}.csv").open() as file:
+        rows = pd.read_csv(file, dtype=object, keep_default_na=False).set_index(ROW)
+    numbers = [*CLASSES, MEAN]
+    rows[numbers] = rows[numbers].map(lambda text: np.nan if text == "-" else Decimal(text)).astype(object)
+    return rows if known else rows.iloc[:0]
 
 
-def _row(cells: dict[str, str]) -> PublishedRow:
-    return PublishedRow(
-        network=cells["network"],
-        row=cells["row"],
-        training=cells["training"],
-        fine_tuning=cells["fine_tuning"],
-        images=int(cells["images"]) if cells["images"] else None,
-        label_line=int(cells["label_line"]),
-        value_line=int(cells["value_line"]),
-        iou={name: None if cells[name] == "-" else Decimal(cells[name]) for name in CLASSES},
-        mean=Decimal(cells[MEAN]),
-    )
+def mean_of_classes(rows: pd.DataFrame, annotated: bool) -> pd.Series:
+    """Mean of each row's printed classes, as Decimal: over those with a number, or over all, a dash counting as 0."""
+    known = [iou.dropna() for _, iou in rows[list(CLASSES)].iterrows()]
+    means = [sum(iou) / (len(iou) if annotated else len(CLASSES)) for iou in known]
+    return pd.Series(means, index=rows.index, dtype=object)
