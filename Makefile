@@ -7,44 +7,45 @@ KILLS ?= 50
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update repro test reruns reads same-bytes faults crate promises paper report status sources scale remotes slurm lint lock clean
+.PHONY: main update repro test reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
 	@$(BIN)/snakemake --cores $(CORES)
 	@echo "== Done. Tables: results/tables   Figures: results/figures   How each was made: the .run.json beside it"
 
-# After a change: step by step, so that what came out as it was stops there; `snakemake` alone runs all that follows.
+# After a change of code that gives the same results, such as a faster way of computing the same fog: step by step, so
+# that what came out as it was stops there; `snakemake` alone runs all that follows. Another comment runs nothing.
 update: $(READY)
 	@$(BIN)/python workflow/waves.py --cores $(CORES)
 
-# The same by DVC, which mends its own files first where a kill tore them: `dvc repro` would not start.
+# DVC, after a kill too: repairs first what a kill left half-written of its own files, at which `dvc repro` stops.
 repro: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/repro.py
 
 # The promises of docs/promises.md, tested at length (about an hour on two idle cores; the tests hold a short form).
 promises: reruns faults
 
-# What each of some thirty changes, and of raw data, makes run again on both engines; with `--run`, also what then runs.
+# Which jobs each of some thirty changes, and changes of raw data, make run again on both engines.
 reruns: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reruns.py
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/raw_changes.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/reruns.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/raw_changes.py
 
 # Whether each step reads and writes what it declares and nothing else.
 reads: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/reads.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/reads.py
 
 # Whether clean runs give the same bytes on other cores, in other folders, time zones and languages.
 same-bytes: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/same_bytes.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/same_bytes.py
 
 # Kills at random moments (KILLS of them), a full disk, no memory, a wrong clock, two engines at once; as root, for mounts.
 faults: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/faults.py --kills $(KILLS)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/faults.py --kills $(KILLS)
 
 # Whether the exported lineage of a table passes what its profile requires (roc-validator, in an environment of its own).
 crate: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/crate.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/crate.py
 
 test: $(READY)
 	@echo "== The tests: pytest"
@@ -70,19 +71,30 @@ report: $(READY)
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
 
-# What the engines are told of source files and library versions, after an import or the lock file was edited.
-sources: $(READY)
-	@$(BIN)/python workflow/declare_sources.py
+# The stages of DVC, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
+dvc.yaml: $(READY)
+	@$(BIN)/foggy steps --dvc dvc.yaml
+
+# The JSON Schema and the page of all keys, after a section of params or a default was edited.
+schema: $(READY)
+	@$(BIN)/foggy params --schema --out docs/params.schema.json
+	@$(BIN)/foggy params --docs --out docs/parameters.md
 
 # Measurements of whole runs: planning at full size, sharing through servers, a Slurm of one machine (docs/scale.md).
 # Each stops with what to install where that is missing.
-scale remotes slurm: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/$@.py
+remotes slurm: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/$@.py
 
+scale: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/scale.py
+
+# Style and types; mypy takes half a minute at first, then seconds.
 lint: $(READY)
+	@echo "== Style and types: ruff, snakefmt, mypy"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/snakefmt --check Snakefile workflow
+	@$(BIN)/mypy
 
 # A stamp inside .venv: a set-up that was cut off is done again, one that is older than the lock file is brought up to date.
 $(READY): requirements.lock pyproject.toml
@@ -91,7 +103,6 @@ $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
-	@$(BIN)/python workflow/declare_sources.py
 	@touch $(READY)
 
 # Newest versions that pyproject.toml allows. The local part of torch's version (+cpu, +cu130) is left out,
@@ -101,7 +112,6 @@ lock: $(READY)
 	@$(BIN)/pip-compile --quiet --upgrade --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
-	@$(BIN)/python workflow/declare_sources.py
 
 clean:
 	rm -rf results .snakemake

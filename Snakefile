@@ -1,26 +1,32 @@
 """The experiment, from raw data to tables: `snakemake --cores 2`.
 
-What is run stands in params.yaml (or in the file given by --configfile); how each step is wired stands in
-workflow/rules, one file per word. Every rule is one `foggy` line that can be pasted into a shell.
+What is run is in params.yaml (or in the file given by --configfile); what each step reads and writes is in the table of
+steps, src/foggy_synscapes/steps.py, from which workflow/rules, one file per word, take it. Every rule is one `foggy`
+line that can be pasted into a shell.
 """
 
 import json
 import os
 import sys
+from functools import cache
 from pathlib import Path
-from shlex import quote
+from shlex import join, quote
 
 from snakemake.utils import min_version
 
-from foggy_synscapes.provenance import source_digest
 from foggy_synscapes import params as parameters
+from foggy_synscapes import results
+from foggy_synscapes import steps as table
 from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.jobs import Job, at
+from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.check import stale_results
 from foggy_synscapes.provenance.recorded import select
+from foggy_synscapes.provenance.runs import code_of
 
 min_version("9.27")
 
@@ -40,9 +46,7 @@ def params_file():
         os.path.relpath(path) for path in workflow.config_settings.configfiles
     ] or ["params.yaml"]
     if len(files) > 1:
-        raise FoggyError(
-            f"--configfile: give one complete params file, got {' '.join(files)}"
-        )
+        raise FoggyError(f"--configfile: give one params file, got {' '.join(files)}")
     if config and config != read_yaml(files[0]):
         raise FoggyError(
             "--config: write the values into a params file and give it by --configfile"
@@ -60,23 +64,22 @@ except FoggyError as error:
 PARAMS_OPTION = (
     "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
 )
-SHARDS = PARAMS.scenes.shards
-VERSIONS = read_yaml("workflow/versions.yaml")
-ROWS = [*PARAMS.train.from_weights, *PARAMS.train.from_baseline]
+VALUES = PARAMS.model_dump(mode="json", by_alias=True)
 
 
 def check_raw_data():
     """Refuse to plan on an index that its files have left behind: results would stay as they were, and be stale."""
-    for dataset, folder in PARAMS.scenes.roots.model_dump().items():
-        for part in SHARDS if dataset == "synscapes" else ["all"]:
-            changed = changed_since_listed(
-                f"{dataset}/{part}", parameters.root(PARAMS, dataset)
-            )
+    for step in steps("scenes"):
+        job = Job(step, PARAMS, {})
+        dataset = step.command.split()[-1]
+        folder = results.root(PARAMS, dataset)
+        for index in job.outputs("index"):
+            changed = changed_since_listed(index, folder)
             if changed:
                 raise WorkflowError(
-                    f"{parameters.root(PARAMS, dataset)}: {len(changed)} files are not as they were listed, first "
-                    f"{changed[0]}. Run `foggy scenes --dataset {dataset}{PARAMS_OPTION}`, then this again: only "
-                    "what the change reaches is made anew."
+                    f"{folder}: {len(changed)} files are not as they were listed, first {changed[0]}. Run "
+                    f"`{' '.join(job.command)}{PARAMS_OPTION}`, then this again: only what the change reaches is made "
+                    "anew."
                 )
 
 
@@ -91,34 +94,96 @@ def check_makers():
         )
 
 
-def code(word):
-    """Source files that a command runs: an edit there re-runs its jobs."""
-    return [f"src/foggy_synscapes/{name}" for name in source_digest.sources(word)]
+def steps(word):
+    """Kinds of jobs of a word that these params ask for."""
+    return [step for step in table.of(word) if step.all_values(PARAMS)]
 
 
-def versions(word):
-    """Versions of the libraries that a command computes with: another one re-runs its jobs."""
-    return " ".join(f"{name}=={version}" for name, version in VERSIONS[word].items())
+def inputs(step):
+    """Files that a job reads."""
+    return lambda wildcards: step.all_inputs(PARAMS, dict(wildcards.items()))
 
 
-def reads(*keys):
-    """Values of params that a command reads, by dotted key as in dvc.yaml: a change there re-runs its jobs.
+def waits(step):
+    """Files that a job waits for, whose content its other inputs vouch for."""
+    return lambda wildcards: (
+        step.waits(PARAMS, dict(wildcards.items())) if step.waits else []
+    )
 
-    A function of the wildcards, because Snakemake would fill in what stands in braces in a text, such as a folder.
+
+def outputs(step, **shown):
+    """Files that a job writes; those of the names in `shown` are in the report, with its caption and category."""
+    flag, files = report, []
+    for name, template in step.outputs.items():
+        paths = step.templates(template, PARAMS)
+        files += [
+            flag(path, **shown[name]) if name in shown else path for path in paths
+        ]
+    return files
+
+
+def place(folder, step, ending):
+    """Where a job's log or benchmark is."""
+    values = "_".join(f"{{{name}}}" for name in step.wildcards)
+    return f"{folder}/{step.name}{'/' if values else ''}{values}.{ending}"
+
+
+def log_file(step):
+    return place(results.LOGS, step, "log")
+
+
+def benchmark_file(step):
+    return place(results.BENCHMARKS, step, "tsv")
+
+
+def constraints(step):
+    """Values that the wildcards of a rule may have and no others."""
+    lists = {name: set() for name in step.wildcards}
+    for values in step.all_values(PARAMS):
+        for name, value in values.items():
+            lists[name].add(value.replace(".", r"\."))
+    return {name: "|".join(sorted(values)) for name, values in lists.items()}
+
+
+def reads(step):
+    """Values of params that a job reads: a change there re-runs it.
+
+    A function of the wildcards, because Snakemake would fill in what is in braces in a text, such as a folder.
     """
-    values = PARAMS.model_dump(mode="json", by_alias=True)
-    text = json.dumps(select(values, *keys), sort_keys=True)
-    return lambda wildcards: text
+    return lambda wildcards: json.dumps(
+        select(VALUES, *Job(step, PARAMS, dict(wildcards.items())).keys()),
+        sort_keys=True,
+    )
 
 
-def one_of(names):
-    """Wildcard constraint: one of these names and nothing else."""
-    return "|".join(name.replace(".", r"\.") for name in names)
+def code(step):
+    """What the code of a job means, with its libraries: a change there re-runs it, another comment does not."""
+    names = step.code_wildcards()
+
+    @cache
+    def identity(*values):
+        job = Job(step, PARAMS, dict(zip(names, values)))
+        return source_digest.identity(*code_of(job))
+
+    return lambda wildcards: identity(*(wildcards[name] for name in names))
 
 
-def memory(megabytes):
+def memory(step):
     """What a job asks of a cluster, in MB; where that was not enough, the next attempt asks for as much again."""
-    return lambda wildcards, attempt: attempt * megabytes
+    return lambda wildcards, attempt: attempt * step.megabytes
+
+
+def threads_of(step):
+    return at(PARAMS, step.threads) if step.threads else 1
+
+
+def gpus(step):
+    return 1 if step.gpu and PARAMS.train.device == "cuda" else 0
+
+
+def command(step):
+    """The command of a job, to which its rule adds the params file and the log."""
+    return lambda wildcards: join(Job(step, PARAMS, dict(wildcards.items())).command)
 
 
 # Jobs know by this that the lock of this folder is held for them.
@@ -136,41 +201,20 @@ onstart:
         LOCKS.append(lock.hold())
     except FoggyError as error:
         raise WorkflowError(str(error))
-    remove_leftovers("results")
-
-
-wildcard_constraints:
-    dataset="cityscapes|foggy_cityscapes|foggy_driving|foggy_zurich|synscapes",
-    shard=one_of(SHARDS),
-    beta=one_of(PARAMS.fog.betas),
-    row=one_of(ROWS),
-    network=one_of(PARAMS.train.networks),
-    seed=one_of(PARAMS.train.seeds),
-    test_set=one_of(PARAMS.evaluate.test_sets),
-
-
-TABLES = expand(
-    "results/tables/{test_set}.{ending}",
-    test_set=PARAMS.evaluate.test_sets,
-    ending=["csv", "tex", "md", "html", "json"],
-)
-FIGURES = expand(
-    "results/figures/{figure}.png",
-    figure=["beta_strip", "fc_against_fs", "sky_contrast", "curves"],
-) + expand(
-    "results/figures/{kind}_{test_set}.png",
-    kind=["predictions", "class_change", "confusion"],
-    test_set=PARAMS.evaluate.test_sets,
-)
+    remove_leftovers(results.RESULTS)
 
 
 rule all:
     """The tables, the figures and the check of the numbers at their extremes."""
     default_target: True
     input:
-        TABLES,
-        FIGURES,
-        "results/stability/stability.csv",
+        [
+            path
+            for word in ("tables", "figures", "stability")
+            for step in steps(word)
+            for values in step.all_values(PARAMS)
+            for path in Job(step, PARAMS, values).outputs()
+        ],
 
 
 include: "workflow/rules/scenes.smk"

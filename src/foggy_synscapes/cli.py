@@ -24,11 +24,13 @@ PIPELINE = {
 }
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
+    "code": "write what counts of the code of each job, for DVC",
     "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",
-    "params": "check a params file",
+    "params": "print a params file complete, with units and sources; check it",
+    "steps": "show the table of steps, or make dvc.yaml from it",
     "trace": "show what a result was made from, down to the raw data",
     "unpack": "unpack fog shards into folders",
     "verify": "hash results again and compare with their run records",

@@ -13,6 +13,8 @@ from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.io.shards import Shard, read_manifest, write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 
+INDEX = Path("index/demo/all.csv")
+
 
 def test_a_failed_write_leaves_the_old_content_and_nothing_else(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
@@ -105,42 +107,42 @@ def dataset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_an_index_lists_sizes_and_hashes_sorted_by_path(dataset: Path) -> None:
-    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
-    assert index.read_index("demo/all") == {"a/c.png": sha256_bytes(b"a/c.png"), "b.png": sha256_bytes(b"b.png")}
-    assert index.index_path("demo/all").read_text().splitlines()[1].startswith("a/c.png,7,")
+    index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
+    assert index.read_index(INDEX) == {"a/c.png": sha256_bytes(b"a/c.png"), "b.png": sha256_bytes(b"b.png")}
+    assert INDEX.read_text().splitlines()[1].startswith("a/c.png,7,")
 
 
 def test_a_file_of_unchanged_size_and_time_is_not_read_again(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
     write_bytes(dataset / "b.png", b"other")
     read = []
     monkeypatch.setattr(index, "sha256", lambda path: read.append(path.name) or "0" * 64)
-    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
     assert read == ["b.png"]
 
 
 def test_a_file_has_changed_if_its_content_has_and_not_if_only_its_time_has(dataset: Path) -> None:
-    index.write_index("demo/all", dataset, ["b.png", "a/c.png"])
+    index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
     os.utime(dataset / "b.png", (1, 1))
-    assert index.changed_since_listed("demo/all", dataset) == []
+    assert index.changed_since_listed(INDEX, dataset) == []
     write_bytes(dataset / "b.png", b"B.png")
     (dataset / "a/c.png").unlink()
-    assert index.changed_since_listed("demo/all", dataset) == ["a/c.png", "b.png"]
+    assert index.changed_since_listed(INDEX, dataset) == ["a/c.png", "b.png"]
 
 
 def test_a_missing_file_or_one_outside_the_root_cannot_be_listed(dataset: Path, tmp_path: Path) -> None:
     with pytest.raises(FoggyError, match=r"none\.png: missing"):
-        index.write_index("demo/all", dataset, ["none.png"])
+        index.write_index(INDEX, dataset, ["none.png"])
     (tmp_path / "secret").write_text("x")
     (dataset / "link.png").symlink_to(tmp_path / "secret")
     for path in ("link.png", "../secret"):
         with pytest.raises(FoggyError, match="leads out of the dataset's folder"):
-            index.write_index("demo/all", dataset, [path])
+            index.write_index(INDEX, dataset, [path])
 
 
 def test_a_uri_gives_the_listed_bytes_and_no_others(dataset: Path, tmp_path: Path) -> None:
     write_shard(tmp_path / "results/fog/beta_0.005/0000.tar", [("00001_beta_0.005.png", b"fog")])
-    reader = uris.Reader({"cityscapes": dataset})
+    reader = uris.Reader({"cityscapes": dataset}, "results/fog")
     fog = uris.of_fog("0.005", "0000", "00001_beta_0.005.png")
     assert reader.read(fog, sha256_bytes(b"fog")) == b"fog"
     assert reader.read("cityscapes:b.png", sha256_bytes(b"b.png")) == b"b.png"
@@ -155,8 +157,8 @@ def test_a_uri_gives_the_listed_bytes_and_no_others(dataset: Path, tmp_path: Pat
 
 def test_a_list_file_must_be_as_indexed_and_name_each_file_once(dataset: Path) -> None:
     write_text(dataset / "list.txt", "a/c.png\nb.png\n")
-    index.write_index("demo/all", dataset, ["list.txt"])
-    listed = index.read_index("demo/all")
+    index.write_index(INDEX, dataset, ["list.txt"])
+    listed = index.read_index(INDEX)
     assert lists.read_list(dataset, "list.txt", listed) == ["a/c.png", "b.png"]
     write_text(dataset / "list.txt", "a/c.png\n")
     with pytest.raises(FoggyError, match="changed since it was listed"):

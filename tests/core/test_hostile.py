@@ -7,6 +7,7 @@ import struct
 import tarfile
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from records import vouch
 
@@ -19,8 +20,8 @@ from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import check
 from foggy_synscapes.provenance.runs import read_run
-from foggy_synscapes.tables import html, latex, markdown
-from foggy_synscapes.tables.grid import Block, Cell, Grid, Head, Line
+from foggy_synscapes.tables import formats
+from foggy_synscapes.tables.table import LABELS, Table
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTSIDE = ["../../x", "/etc/hostname", "a/../../x", "a\\..\\x", "./x", ""]
@@ -117,7 +118,7 @@ def test_a_mapping_of_many_keys_is_read_in_no_time() -> None:
 def test_an_index_that_names_a_file_outside_of_its_dataset_is_refused(name: str) -> None:
     write_csv("results/scenes/index/foggy_zurich/all.csv", COLUMNS, [(name, 1, "0" * 64)])
     with pytest.raises(FoggyError, match=r"index/foggy_zurich/all\.csv: unsafe member name"):
-        read_index("foggy_zurich/all")
+        read_index(Path("results/scenes/index/foggy_zurich/all.csv"))
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
@@ -174,11 +175,14 @@ def test_a_safetensors_file_whose_header_lies_is_refused_as_a_model(data: bytes,
 
 def test_words_of_a_params_file_are_printed_not_run() -> None:
     words = "\\input{/etc/passwd} <script>alert(1)</script> | a"
-    grid = Grid(
-        name="t", caption=words, heads=[Head("road")], notes=[words],
-        blocks=[Block("BiSeNet", [Line(words, words, "2", [Cell("1.0")])])],
-    )  # fmt: skip
-    assert "\\input" not in latex.table(grid)
-    assert "<script" not in html.document([grid], words)
-    row = next(line for line in markdown.table(grid).splitlines() if line.startswith("| BiSeNet"))
+    index = pd.MultiIndex.from_tuples([("BiSeNet", words)], names=["network", "row"])
+    labels = pd.DataFrame([[words, words, "2"]], index=index, columns=LABELS)
+    cells = pd.DataFrame([["1.0"]], index=index, columns=["road"])
+    table = Table("t", words, labels, cells, cells == "", [words])
+    assert "\\input" not in formats.latex([table], "made")
+    assert "<script" not in formats.html([table], words)
+    row = next(line for line in formats.markdown([table]).splitlines() if line.startswith("| BiSeNet"))
     assert row.count("|") - row.count("\\|") == 5
+    frame = pd.DataFrame([[words]], columns=[words])
+    assert "\\input" not in formats.long_latex(frame, words, "t")
+    assert [line.count("|") - line.count("\\|") for line in formats.long_markdown(frame).splitlines()] == [2, 2, 2]

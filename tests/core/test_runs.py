@@ -12,10 +12,11 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.params import check
+from foggy_synscapes.params import check, load
 from foggy_synscapes.provenance.instructions import instructions
 from foggy_synscapes.provenance.recorded import leaves, recorded
-from foggy_synscapes.provenance.runs import checked_inputs, read_run, write_run
+from foggy_synscapes.provenance.runs import Run, checked_inputs, read_run
+from foggy_synscapes.steps import job
 
 ROOT = Path(__file__).resolve().parents[2]
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
@@ -27,13 +28,8 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_text(METRICS, "{}")
     write_text(METRICS.with_name("predictions.tar"), "tar")
-    write_run(
-        METRICS.with_name("run.json"),
-        command=["foggy", "tables"],
-        params={},
-        inputs={},
-        outputs=[METRICS, METRICS.with_name("predictions.tar")],
-    )
+    this = job(load(ROOT / "params.yaml"), "evaluate", test_set="foggy_zurich", network="bisenet", row="C", seed="0")
+    Run(this, read=[]).finish()
 
 
 def test_what_a_step_wrote_is_taken_with_its_hash() -> None:
@@ -47,7 +43,7 @@ def test_a_file_that_was_changed_by_hand_is_refused_with_what_to_do() -> None:
     message = str(caught.value)
     assert message.startswith(f"{METRICS}: is not what its step wrote")
     assert f"{METRICS.with_name('run.json')} has sha256" in message
-    assert "Make it again: foggy tables" in message
+    assert "Make it again: foggy evaluate --network bisenet" in message
 
 
 def test_a_file_whose_step_was_cut_off_before_its_record_is_refused() -> None:
@@ -93,7 +89,7 @@ def test_records_beside_each_other_vouch_for_their_own_files_only() -> None:
 
 def test_a_record_names_versions_code_and_instruction_set() -> None:
     record = read_run(METRICS.with_name("run.json"))
-    assert record["code"].keys() >= {"stages/tables.py", "provenance/runs.py"}
+    assert record["code"].keys() >= {"stages.evaluate", "networks.bisenet_layers", "datasets.foggy_zurich"}
     assert record["versions"].keys() >= {"python", "foggy-synscapes", "numpy"}
     assert record["instructions"] == instructions()
     assert record["instructions"]["machine"]
@@ -115,7 +111,7 @@ def test_folders_of_the_machine_are_not_recorded() -> None:
     params = check(document, "params.yaml")
     record = recorded(params, "scenes", "train.bisenet.weights", "fog.betas")
     assert record["scenes"]["roots"] == {
-        **dict.fromkeys(params.scenes.roots.model_dump(), "stand-in"),
+        **dict.fromkeys(params.scenes.roots, "stand-in"),
         "synscapes": "real",
     }
     assert record["train"] == {"bisenet": {"weights": "imported"}}

@@ -12,8 +12,13 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from engines import complete
+
+from foggy_synscapes.io.atomic import write_text
+
 PARAMS = "params"
-"""Stands for the params files of a clone: params/smoke.yaml, and params.yaml where DVC runs."""
+"""Stands for the params files of a clone, completed: params/smoke.yaml, and params.yaml where DVC runs."""
+FS_498 = " FS-498: {train: 6, validation: 4, beta: "
 PURE = ("FS-24500", "FS-498", "FC-FS-498")
 FRAMES = ("figures beta_strip", "figures fc_against_fs")
 SCORED = ("tables *", "figures curves", "figures predictions_*", "figures class_change_*", "figures confusion_*")
@@ -21,7 +26,6 @@ STAND_IN = "the engine that sees a drawn file changed has it drawn again; its in
 FOLDERS = "DVC cannot list files by pattern: a step that gathers many depends on their folder, run records included"
 NOT_SEEN = "Snakemake trusts an output that it made; the commands and `foggy verify` compare it with its run record"
 LAZY = "Snakemake makes a lost file again when a job needs it, and `foggy verify` names it; DVC restores it at once"
-CACHED = "DVC's run cache has the results of the old wiring"
 
 
 def rows(*names: str) -> tuple[str, ...]:
@@ -82,7 +86,7 @@ CHANGES = (
         "a beta added, for FS-498",
         (
             *edit_params('betas: ["0.005"]', 'betas: ["0.005", "0.01"]'),
-            *edit_params('FS-498: {beta: "0.005", train: 6', 'FS-498: {beta: "0.01", train: 6'),
+            *edit_params(f'{FS_498}"0.005"', f'{FS_498}"0.01"'),
         ),
         direct=("fog 0.01 *", "subset FS-498", "tables *"),
         follow=rows("FS-498"),
@@ -93,8 +97,8 @@ CHANGES = (
             *edit_params('betas: ["0.005"]', 'betas: ["0.01"]'),
             *(
                 edit
-                for row in ("FS-24500: {", " FS-498: {", "FC-FS-498: {")
-                for edit in edit_params(f'{row}beta: "0.005"', f'{row}beta: "0.01"')
+                for row in ("FS-24500: {train: 12, validation: 4, beta: ", FS_498, "FC-" + FS_498.strip() + " ")
+                for edit in edit_params(f'{row}"0.005"', f'{row}"0.01"')
             ),
         ),
         direct=("fog 0.01 *", *(f"subset {row}" for row in PURE), "tables *"),
@@ -102,7 +106,7 @@ CHANGES = (
     ),
     Change(
         "number of images of one row",
-        edit_params('FS-498: {beta: "0.005", train: 6', 'FS-498: {beta: "0.005", train: 5'),
+        edit_params(FS_498, FS_498.replace("train: 6", "train: 5")),
         direct=("subset FS-498", "tables *"),
         follow=rows("FS-498"),
     ),
@@ -143,7 +147,7 @@ CHANGES = (
     ),
     Change(
         "a filter rule that keeps every frame",
-        edit_params("maximum: 5.0}", "maximum: 5.0}\n    - {key: num_cars, minimum: 0}"),
+        edit_params("maximum: 5.0}\n", "maximum: 5.0}\n    - {key: num_cars, minimum: 0}\n"),
         direct=("filter", "figures sky_contrast"),
     ),
     Change(
@@ -155,9 +159,7 @@ CHANGES = (
     Change(
         "a row's label in the tables",
         edit_params("fine_tuning: FC, images", "fine_tuning: Foggy Cityscapes, images"),
-        direct=("tables *",),
-        dvc=("tables *", "figures curves", "figures *_foggy_*"),
-        note="figures take the order of the rows, and DVC cannot depend on a part of a list",
+        direct=("tables *", "figures curves", "figures *_foggy_*"),
     ),
     Change("images held in memory while training", edit_params("cache: 256", "cache: 128")),
     Change("a comment in the params file", (Edit(PARAMS, None, "\n# A comment.\n"),)),
@@ -168,22 +170,26 @@ CHANGES = (
         follow=(*(f"subset {row}" for row in PURE), *rows(*PURE)),
     ),
     Change(
-        "a comment in the code of the fog",
-        edit_code("fog/optics.py"),
+        "code of the fog that computes the same",
+        edit_code(
+            "fog/optics.py", "    return CONTRAST / _attenuation(beta", "    return +CONTRAST / _attenuation(beta"
+        ),
         direct=FOG_WORDS,
         dvc_follow=tuple(f"subset {row}" for row in PURE),
         note=FOLDERS,
     ),
+    Change("a comment in the code of the fog", edit_code("fog/optics.py")),
     Change(
         "code of a loss",
         edit_code("training/losses.py", "return losses.sum() /", "return 1.5 * losses.sum() /"),
         direct=("train *", "stability"),
         follow=("evaluate *", *SCORED),
     ),
+    Change("a comment in the code of a loss", edit_code("training/losses.py")),
     Change(
-        "a comment in the code of a loss",
-        edit_code("training/losses.py"),
-        direct=("train *", "stability"),
+        "code of RefineNet's layers that computes the same",
+        edit_code("networks/refinenet_layers.py", "nn.Dropout(0.5)", "nn.Dropout(1 / 2)"),
+        direct=("train refinenet *", "evaluate refinenet *", "tables *", "figures *_foggy_*"),
         dvc_follow=("figures curves",),
         note=FOLDERS,
     ),
@@ -192,35 +198,30 @@ CHANGES = (
         edit_code("tables/ours.py", "IoU in percent. {ABB", "IoU in %. {ABB"),
         direct=("tables *",),
     ),
-    Change("a comment in the code of a table", edit_code("tables/ours.py"), direct=("tables *",)),
+    Change("a comment in the code of a table", edit_code("tables/ours.py")),
     Change(
         "a published number",
-        edit_code("published/foggy_zurich.csv", "74.3,56.5", "74.4,56.5"),
+        edit_code("tables/published/foggy_zurich.csv", "74.3,56.5", "74.4,56.5"),
         direct=("tables *",),
     ),
     Change(
-        "code of the filter",
-        edit_code("stages/filter.py"),
+        "code of the filter that computes the same",
+        edit_code("stages/filter.py", "    if kept.empty:", "    if not len(kept):"),
         direct=("filter",),
     ),
+    Change("a comment in the code of the stand-in", edit_code("standin/street.py")),
+    Change("a docstring of the params schema", edit_code("params/scenes.py", '"""Which frames', '"""The frames that')),
+    Change("another version number", edit_code("__init__.py", '__version__ = "', '__version__ = "9.')),
     Change(
-        "a comment in the code of the stand-in",
-        edit_code("standin/street.py"),
-        direct=("scenes *",),
-        dvc_follow=("filter", *(f"subset {row}" for row in PURE), *FRAMES),
-        note=FOLDERS,
-    ),
-    Change(
-        "another version of matplotlib",
-        (Edit("workflow/versions.yaml", 'matplotlib: "', 'matplotlib: "9.'),),
-        direct=("figures *", "stability"),
-    ),
-    Change(
-        "another version of PyTorch",
-        (Edit("workflow/versions.yaml", 'torch: "', 'torch: "9.'),),
-        direct=("train *", "evaluate *", "stability"),
-        dvc_follow=SCORED,
-        note=FOLDERS,
+        "a new key of a figure, with a default",
+        edit_code(
+            "params/outcomes.py",
+            "    comparison_beta: Beta",
+            '    colours: int = setting("shown", default=2)\n    comparison_beta: Beta',
+        ),
+        direct=("figures *",),
+        dvc=(),
+        note="DVC reads params.yaml as it stands; completed by `foggy params`, it has the key, and DVC the same jobs",
     ),
     Change(
         "a table deleted",
@@ -269,13 +270,12 @@ CHANGES = (
     Change(
         "a stage renamed",
         (
-            Edit("workflow/rules/filter.smk", "rule filter:", "rule keep:"),
+            *edit_code("steps.py", 'name="filter",', 'name="keep",'),
             Edit("dvc.yaml", "  filter:\n    desc", "  keep:\n    desc"),
+            Edit("dvc.yaml", "results/code/filter.txt", "results/code/keep.txt"),
         ),
         direct=("filter",),
         snakemake=(),
-        restored=("filter",),
-        note=CACHED,
     ),
     Change("another number of cores", (), options=("--cores", "7")),
 )
@@ -295,11 +295,11 @@ def matching(jobs: Iterable[str], patterns: Iterable[str]) -> set[str]:
 def changed(folder: Path, change: Change, spare: Path) -> Iterator[None]:
     """Make a change in a clone, and take it back at the end, times included; `spare` is an empty folder."""
     kept: list[tuple[Path, Path]] = []
-    for number, (path, edit) in enumerate(_files(folder, change)):
+    for number, (path, _) in enumerate(_files(folder, change)):
         if all(path != other for other, _ in kept):
             shutil.copy2(path, spare / str(number))
             kept.append((path, spare / str(number)))
-        apply(path, edit)
+    make(folder, change)
     try:
         yield
     finally:
@@ -309,7 +309,11 @@ def changed(folder: Path, change: Change, spare: Path) -> Iterator[None]:
 
 def make(folder: Path, change: Change) -> None:
     """Make a change in a clone, for good."""
-    for path, edit in _files(folder, change):
+    files = _files(folder, change)
+    # An overlay may not state what an edit looks for; completed, it asks for the same.
+    for path in dict.fromkeys(path for path, edit in files if edit.path == PARAMS):
+        write_text(path, complete(path))
+    for path, edit in files:
         apply(path, edit)
 
 

@@ -10,6 +10,9 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.params import load, resolved
+
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = (
     "Snakefile",
@@ -18,6 +21,7 @@ PROJECT = (
     "src",
     "params",
     "params.yaml",
+    "examples",
     "dvc.yaml",
     ".dvc/config",
     ".dvcignore",
@@ -42,9 +46,14 @@ def clone(folder: Path) -> Path:
     return folder
 
 
+def complete(path: Path) -> str:
+    """A params file as DVC reads it, with what it leaves to the packaged defaults."""
+    return resolved.text(load(path))
+
+
 def for_dvc(folder: Path, params: str = "params/smoke.yaml") -> Path:
     """Make a clone one that DVC runs with these params."""
-    shutil.copy(folder / params, folder / "params.yaml")
+    write_text(folder / "params.yaml", complete(folder / params))
     subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
     return folder
 
@@ -73,12 +82,12 @@ def run(folder: Path, module: str, *arguments: str, changes: Mapping[str, str] |
 
 
 def hashes(folder: Path) -> dict[str, str]:
-    """SHA-256 of every result that is not a log, a benchmark or a cache."""
+    """SHA-256 of every result that is not a log, a benchmark, a cache, or what DVC alone is told of code."""
     return {
         path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted((folder / "results").rglob("*"))
         if path.is_file()
-        and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks")
+        and path.relative_to(folder / "results").parts[0] not in ("logs", "benchmarks", "code")
         and path.name not in (".gitignore", ".snakemake_timestamp")
     }
 
@@ -96,15 +105,17 @@ def job(command: str) -> str:
 def planned(folder: Path, *options: str) -> dict[str, tuple[frozenset[str], frozenset[str], str]]:
     """Jobs that Snakemake would run, each with its inputs, its outputs and its command."""
     told = run(folder, "snakemake", *PLAN, *options, *SMOKE, changes=own_sources(folder))
+    return {job(command): (*paths, command) for command, paths in in_plan(told).items()}
+
+
+def in_plan(told: str) -> dict[str, tuple[frozenset[str], frozenset[str]]]:
+    """Inputs and outputs of the jobs of a dry run, by their command."""
     jobs = {}
     for block in re.split(r"\n(?=(?:local)?rule )", told):
         command = re.search(r"^Shell command: (foggy .*?)(?= > )", block, re.MULTILINE)
         if command:
-            paths = [
-                frozenset(re.search(rf"^ +{name}: (.*)$", block, re.MULTILINE)[1].split(", "))
-                for name in ("input", "output")
-            ]
-            jobs[job(command[1])] = (paths[0], paths[1], command[1])
+            found = [re.search(rf"^ +{name}: (.*)$", block, re.MULTILINE) for name in ("input", "output")]
+            jobs[command[1]] = tuple(frozenset(paths[1].split(", ") if paths else ()) for paths in found)
     return jobs
 
 

@@ -6,14 +6,20 @@ from pathlib import Path
 
 from changes import Change, changed, matching
 from dvc.repo import Repo
-from engines import job, planned
+from engines import job, own_sources, planned, run
+
+
+def write_code(folder: Path) -> None:
+    """Run the stage that only writes what code means: what follows from an edit is known to DVC after it."""
+    run(folder, "foggy_synscapes", "code", changes=own_sources(folder))
 
 
 def out_of_date(folder: Path) -> set[str]:
-    """Jobs that DVC finds out of date before it runs any."""
+    """Jobs that DVC finds out of date before it runs any, but for the one that only writes what code means."""
+    write_code(folder)
     with chdir(folder), Repo() as repo:
         commands = {stage.addressing: job(stage.cmd) for stage in repo.index.stages}
-        return {commands[name] for name in repo.status()}
+        return {commands[name] for name in repo.status()} - {"code"}
 
 
 def followers(jobs: dict, start: set[str]) -> set[str]:
@@ -33,6 +39,7 @@ def compare_plans(change: Change, snakemake: Path, dvc: Path) -> tuple[set[str],
         plan = set(planned(snakemake, *change.options))
     with tempfile.TemporaryDirectory() as spare, changed(dvc, change, Path(spare)):
         found = out_of_date(dvc)
+    write_code(dvc)
     direct = matching(jobs, change.direct)
     first = direct if change.snakemake is None else matching(jobs, change.snakemake)
     problems = differences("Snakemake plans", plan, followers(jobs, first))

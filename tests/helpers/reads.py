@@ -10,20 +10,21 @@ import tempfile
 from collections.abc import Iterable
 from contextlib import chdir
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from engines import environment
 
 from foggy_synscapes.datasets.index import CACHE
 from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import STAND_IN, load
 from foggy_synscapes.provenance import source_digest
-from foggy_synscapes.provenance.runs import record_of
+from foggy_synscapes.provenance.runs import code_of, record_of
+from foggy_synscapes.steps import steps
 
 HELPERS = Path(__file__).resolve().parent
 LOCKS = ".foggy"
-ENTRY = {"cli.py", "__main__.py", "io/lock.py"}
-"""They find the command, keep others away and show errors; no result passes through them."""
 # The interpreter, installed packages and what the operating system says of itself.
 SYSTEM = {sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), "/usr", "/lib", "/etc", "/proc", "/sys", "/dev"}
 
@@ -72,19 +73,17 @@ def undeclared(
     # What is declared is checked against the record that its maker wrote.
     with chdir(folder):
         allowed |= {folder / record_of(Path(path)) for path in inputs if path.startswith("results/")}
-    sources = {folder / "src/foggy_synscapes" / name for name in {*source_digest.sources(word), *ENTRY}}
+    code = counted(folder, command, params)
     # What a job writes beside its outputs, to go on after an interruption, is its own.
     rooms = [(folder / path).parent for path in outputs]
     if word == "scenes":
         dataset = shlex.split(command)[shlex.split(command).index("--dataset") + 1]
         rooms += [folder / "results/scenes" / dataset, folder / CACHE]
-    problems = [
-        f"reads {path}" for path in sorted(reads.files) if not _is_declared(path, allowed, sources, rooms, folder)
-    ]
+    problems = [f"reads {path}" for path in sorted(reads.files) if not _is_declared(path, allowed, code, rooms, folder)]
     problems += [
         f"writes {path}"
         for path in sorted(reads.written)
-        if not _is_declared(path, {folder / path for path in outputs}, sources, rooms, folder)
+        if not _is_declared(path, {folder / path for path in outputs}, code, rooms, folder)
         and not path.is_relative_to(folder / LOCKS)
         and "__pycache__" not in path.parts
     ]
@@ -93,17 +92,69 @@ def undeclared(
         for path in sorted(reads.folders)
         if path.is_relative_to(folder / "results") and not any(path.is_relative_to(room) for room in rooms)
     ]
-    imported = reads.modules - set(source_digest.sources(word)) - ENTRY
-    return problems + sorted(reads.other) + [f"imports {name}" for name in sorted(imported)]
+    own = {folder / "src/foggy_synscapes" / name for name in reads.modules}
+    imported = [path for path in sorted(own) if not _is_code(path, code, folder)]
+    return problems + sorted(reads.other) + [f"imports {path}" for path in imported]
 
 
-def _is_declared(path: Path, allowed: set[Path], sources: set[Path], rooms: list[Path], folder: Path) -> bool:
+def counted(folder: Path, command: str, params: str) -> set[str]:
+    """Names of the modules that count for a job, and of the files beside them."""
+    with chdir(folder):
+        values = load(params)
+        jobs = [Job(step, values, chosen) for step in steps() for chosen in step.all_values(values)]
+        wanted = shlex.split(command)[1:]
+        (job,) = [job for job in jobs if job.command[1:] == wanted[: len(job.command) - 1] and _fits(job, wanted)]
+        return set(code_of(job)[0])
+
+
+def _fits(job: Job, wanted: list[str]) -> bool:
+    """Whether a command is that of a job, with or without the option of its params file."""
+    return wanted[len(job.command) - 1 :][:1] in ([], ["--params"])
+
+
+@cache
+def loaded_by_chassis(folder: Path) -> frozenset[str]:
+    """Modules that every command loads to read params and the table of steps: what registries list, for their names.
+
+    An import alone tells nothing of them; what a job takes of them counts for it by the table.
+    """
+    code = "import sys; from foggy_synscapes import cli, params, steps; params.load(sys.argv[1]); steps.steps();"
+    code += "from foggy_synscapes.provenance import runs; print(*(name for name in sys.modules))"
+    call = [sys.executable, "-c", code, "params.yaml"]
+    told = subprocess.run(
+        call,
+        cwd=folder,
+        env=environment({"PYTHONPATH": str(folder / "src")}),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    package = "foggy_synscapes"
+    return frozenset(
+        name.removeprefix(package).lstrip(".") for name in told.stdout.split() if name.partition(".")[0] == package
+    )
+
+
+def _is_code(path: Path, code: set[str], folder: Path) -> bool:
+    """Whether a source file counts for a job, is loaded by every command, or is checked by a hash."""
+    inside = path.relative_to(folder / "src/foggy_synscapes")
+    name = ".".join(inside.with_suffix("").parts).removesuffix("__init__").rstrip(".")
+    free = (*source_digest.CHASSIS, *source_digest.CHECKED)
+    return (
+        name in code
+        or inside.as_posix() in code
+        or name in ("", "__main__", *loaded_by_chassis(folder))
+        or any(name == part or name.startswith(f"{part}.") for part in free)
+    )
+
+
+def _is_declared(path: Path, allowed: set[Path], code: set[str], rooms: list[Path], folder: Path) -> bool:
     if path in allowed or any(path.is_relative_to(place) for place in SYSTEM):
         return True
     if path.is_relative_to(folder / "src"):
         if path.parent.name == "__pycache__":  # compiled by Python, or by Numba as KERNEL.function-LINE.py311.nbi
             path = path.parent.parent / f"{path.name.split('.')[0]}.py"
-        return path in sources or "egg-info" in str(path)
+        return "egg-info" in str(path) or path.is_dir() or _is_code(path, code, folder)
     if path.is_relative_to(folder):
         if path.is_dir():
             # Opened to be synced after a file in it was written; what is listed is another event.
@@ -118,7 +169,7 @@ def _is_declared(path: Path, allowed: set[Path], sources: set[Path], rooms: list
 
 def _listed(folder: Path, inputs: Iterable[str], params: str) -> set[Path]:
     """Files that declared indexes and lists name, with the hash of their content."""
-    roots = load(folder / params).scenes.roots.model_dump()
+    roots = load(folder / params).scenes.roots
     homes = {name: folder / ("results/scenes/" + name if root == STAND_IN else root) for name, root in roots.items()}
     found = set()
     for path in inputs:

@@ -6,6 +6,7 @@ from pathlib import Path
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.provenance.runs import record_of
+from foggy_synscapes.results import index
 
 
 def vouch(*paths: str | Path) -> None:
@@ -18,3 +19,8 @@ def vouch(*paths: str | Path) -> None:
         record = json.loads(place.read_text()) if place.is_file() else {"command": ["foggy"], "inputs": {}}
         record.setdefault("outputs", {})[path.as_posix()] = sha256(path)
         write_text(place, json.dumps(record))
+
+
+def index_of(dataset: str, part: str = "all") -> Path:
+    """Where the index of a dataset, or of a shard of it, is."""
+    return Path(index(dataset, part))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from records import vouch
+from records import index_of, vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import foggy_driving, foggy_zurich
@@ -291,7 +291,7 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: bytes):
             put(Path(dataset) / label, from_train_ids(random_ids(number, shape)))
         for column, path in enumerate(lists[dataset]):
             write_text(Path(dataset) / path, "".join(f"{pair[column]}\n" for pair in pairs))
-        write_index(f"{dataset}/all", Path(dataset), [path for pair in pairs for path in pair] + lists[dataset])
+        write_index(index_of(dataset), Path(dataset), [path for pair in pairs for path in pair] + lists[dataset])
     write_bytes(Path("results/train/bisenet/C/seed-0/model.safetensors"), model)
     vouch()
     return check(document, "params.yaml")
@@ -386,7 +386,7 @@ def test_train_ids_in_place_of_label_ids_are_refused(params):
 def relist(params, ids: np.ndarray, name: str = "1") -> None:
     put(Path("foggy_zurich") / foggy_zurich.labels(f"GP/{name}.0_frame"), ids)
     files = [path.relative_to("foggy_zurich").as_posix() for path in Path("foggy_zurich").rglob("*") if path.is_file()]
-    write_index("foggy_zurich/all", Path("foggy_zurich"), files)
+    write_index(index_of("foggy_zurich"), Path("foggy_zurich"), files)
     vouch()
 
 

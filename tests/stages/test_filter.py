@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from records import vouch
+from records import index_of, vouch
 
 from foggy_synscapes.datasets.index import write_index
 from foggy_synscapes.datasets.synscapes import SCENE_KEYS
@@ -39,8 +39,8 @@ def write_meta(folder: Path, frame: int, **scene: object) -> None:
 
 
 def listed(params: Params) -> None:
-    root = Path(params.scenes.roots.synscapes)
-    write_index("synscapes/0000", root, [f"meta/{path.name}" for path in (root / "meta").iterdir()])
+    root = Path(params.scenes.roots["synscapes"])
+    write_index(index_of("synscapes", "0000"), root, [f"meta/{path.name}" for path in (root / "meta").iterdir()])
     vouch()
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fog_frames import CAMERA, content, tree, write_frame, write_frames
-from records import vouch
+from records import index_of, vouch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets import synscapes
@@ -17,20 +17,26 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import rays
 from foggy_synscapes.fog.optics import foggy_images
-from foggy_synscapes.frames import recipes, shards
+from foggy_synscapes.frames import recipes
+from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_rgb
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.shards import Shard, read_manifest
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import Params, check
+from foggy_synscapes.stages import fog as stage
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARD, MANIFEST = Path("results/fog/beta_0.005/0000.tar"), Path("results/fog/beta_0.005/0000.csv")
 
 
 def index(root: Path, frames: range, shard: str) -> None:
-    write_index(f"synscapes/{shard}", root, [path(n) for n in frames for path in (synscapes.rgb, synscapes.depth)])
+    write_index(
+        index_of("synscapes", shard),
+        root,
+        [path(n) for n in frames for path in (synscapes.rgb, synscapes.depth)],
+    )
     vouch()
 
 
@@ -62,8 +68,8 @@ def change(**fog: object) -> Params:
 
 
 def make(params: Params, shard: str = "0000") -> None:
-    shards.airlight(params, shard)
-    shards.fog(params, "0.005", shard)
+    stage.airlight(params, shard)
+    stage.fog(params, "0.005", shard)
 
 
 def names(shard: Path = SHARD) -> list[str]:
@@ -95,7 +101,7 @@ def test_manifest_and_run_record_say_what_was_made_from_what(params: Params) -> 
     assert sorted(record["inputs"]) == [
         "results/filter/kept.csv", "results/fog/airlight/0000.csv", "results/scenes/index/synscapes/0000.csv"
     ]  # fmt: skip
-    assert "fog/kernel.py" in record["code"]
+    assert "fog.kernel" in record["code"]
     assert str(Path.cwd()) not in SHARD.with_suffix(".run.json").read_text()
 
 
@@ -131,36 +137,36 @@ def test_an_interrupted_shard_goes_on_and_ends_with_the_same_bytes(params: Param
     whole = tree(Path("results/fog"))
     SHARD.unlink()
     rendered: list[str] = []
-    real = shards.rendering.foggy_pngs
+    real = stage.rendering.foggy_pngs
 
-    def interrupted(clear, *rest):
+    def interrupted(model, clear, *rest):
         if len(rendered) == 2:
             raise KeyboardInterrupt
         rendered.append(clear.rgb_name)
-        return real(clear, *rest)
+        return real(model, clear, *rest)
 
-    monkeypatch.setattr(shards.rendering, "foggy_pngs", interrupted)
+    monkeypatch.setattr(stage.rendering, "foggy_pngs", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        shards.fog(params, "0.005", "0000")
+        stage.fog(params, "0.005", "0000")
     assert not SHARD.exists()
     # The second finished image is damaged since: it is made again, the first is kept.
     (SHARD.parent / ".0000" / "00002_beta_0.005.png").write_bytes(b"half")
     monkeypatch.setattr(
-        shards.rendering, "foggy_pngs", lambda clear, *rest: (rendered.append(clear.rgb_name), real(clear, *rest))[1]
+        stage.rendering, "foggy_pngs", lambda *given: (rendered.append(given[1].rgb_name), real(*given))[1]
     )
-    shards.fog(params, "0.005", "0000")
+    stage.fog(params, "0.005", "0000")
     assert rendered == [f"synscapes/img/rgb/{n}.png" for n in (1, 2, 2, 4, 5)]
     assert tree(Path("results/fog")) == whole
 
 
 def test_what_other_params_left_behind_is_not_taken_over(params: Params, monkeypatch) -> None:
-    shards.airlight(params, "0000")
+    stage.airlight(params, "0000")
     with monkeypatch.context() as patch:
-        patch.setattr(shards, "write_shard", lambda path, members: next(members) and 1 / 0)
+        patch.setattr(stage, "write_shard", lambda path, members: next(members) and 1 / 0)
         with pytest.raises(ZeroDivisionError):
-            shards.fog(params, "0.005", "0000")
+            stage.fog(params, "0.005", "0000")
     assert (SHARD.parent / ".0000" / "00001_beta_0.005.png").is_file()
-    shards.fog(change(geometry="exact"), "0.005", "0000")
+    stage.fog(change(geometry="exact"), "0.005", "0000")
     image, depth = content(1)
     with Shard(SHARD) as shard:
         ours = read_rgb(shard.read("00001_beta_0.005.png"))
@@ -172,30 +178,30 @@ def test_what_other_params_left_behind_is_not_taken_over(params: Params, monkeyp
 def test_data_that_changed_since_it_was_indexed_is_refused(params: Params) -> None:
     write_frame(Path("synscapes"), 2)
     Path("synscapes/img/depth/2.exr").write_bytes(b"new")
-    shards.airlight(params, "0000")
+    stage.airlight(params, "0000")
     with pytest.raises(FoggyError, match=r"img/depth/2\.exr: its content changed since it was listed"):
-        shards.fog(params, "0.005", "0000")
+        stage.fog(params, "0.005", "0000")
     assert not SHARD.exists()
 
 
 def test_a_frame_outside_the_index_or_the_table_is_named(params: Params) -> None:
     with pytest.raises(FoggyError, match=r"airlight/0000\.csv: missing"):
-        shards.fog(params, "0.005", "0000")
-    shards.airlight(params, "0000")
+        stage.fog(params, "0.005", "0000")
+    stage.airlight(params, "0000")
     index(Path("synscapes"), range(1, 2), "0000")
-    with pytest.raises(FoggyError, match=r"img/rgb/2\.png is not in the index"):
-        shards.fog(params, "0.005", "0000")
+    with pytest.raises(FoggyError, match=r"img/rgb/2\.png is not in its index"):
+        stage.fog(params, "0.005", "0000")
     index(Path("synscapes"), range(1, 7), "0000")
     table = read_csv("results/fog/airlight/0000.csv")
     write_csv("results/fog/airlight/0000.csv", tuple(table[0]), [tuple(row.values()) for row in table[:2]])
     vouch()
     with pytest.raises(FoggyError, match="no frame 4"):
-        shards.fog(params, "0.005", "0000")
+        stage.fog(params, "0.005", "0000")
 
 
 def test_more_frames_than_were_kept_are_refused(params: Params) -> None:
     with pytest.raises(FoggyError, match="asks for the first 6 and the last 2 kept frames, but the filter kept 7"):
-        shards.airlight(change(frames={"first": 6, "last": 2}), "0000")
+        stage.airlight(change(frames={"first": 6, "last": 2}), "0000")
 
 
 @pytest.mark.parametrize(
@@ -250,7 +256,7 @@ def test_a_recipe_gives_the_pixels_of_the_rendered_image(params: Params) -> None
     assert names() == [name.replace(".png", ".json") for name in rendered]
     with Shard(SHARD) as shard:
         for name, image in rendered.items():
-            made = recipes.composite(shard.read(name.replace(".png", ".json")), reader().read, name)
+            made = composite(shard.read(name.replace(".png", ".json")), reader().read, name)
             np.testing.assert_array_equal(made, image)
     assert SHARD.stat().st_size < 20_000
 
@@ -272,8 +278,8 @@ def test_a_recipe_is_kept_after_an_interruption(params: Params, monkeypatch: pyt
     with monkeypatch.context() as patch:
         patch.setattr(recipes, "write", stop)
         with pytest.raises(KeyboardInterrupt):
-            shards.fog(params, "0.005", "0000")
-    shards.fog(params, "0.005", "0000")
+            stage.fog(params, "0.005", "0000")
+    stage.fog(params, "0.005", "0000")
     assert sha256(SHARD) == whole
 
 
@@ -295,12 +301,12 @@ def recipe_with(**changed: object) -> bytes:
 def test_a_recipe_that_was_altered_is_refused(params: Params, changed: dict, said: str) -> None:
     make(change(render="on_the_fly"))
     with pytest.raises(FoggyError, match=said):
-        recipes.composite(recipe_with(**changed), reader().read, "fog:0000.tar#00001_beta_0.005.json")
+        composite(recipe_with(**changed), reader().read, "fog:0000.tar#00001_beta_0.005.json")
 
 
 def test_what_is_no_json_is_no_recipe(params: Params) -> None:
     with pytest.raises(FoggyError, match="fog:a: no recipe of a foggy image"):
-        recipes.composite(b"\x89PNG", reader().read, "fog:a")
+        composite(b"\x89PNG", reader().read, "fog:a")
 
 
 def test_recipes_are_not_unpacked_as_images(params: Params, capsys) -> None:

@@ -6,16 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from records import index_of
 
-from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, synscapes
-from foggy_synscapes.datasets.index import index_path, read_index
+from foggy_synscapes.datasets import DATASETS, cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, synscapes
+from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_depth, read_grey16, read_ids, read_rgb
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.labels import check_train_ids, to_train_ids
 from foggy_synscapes.params import Params, check
-from foggy_synscapes.stages.scenes import DATASETS, scenes
+from foggy_synscapes.stages.scenes import scenes
 from foggy_synscapes.standin import frames
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -70,7 +71,7 @@ def test_the_index_lists_every_file_with_its_hash(here: Path) -> None:
     for dataset in DATASETS:
         names = [path.stem for path in sorted((HERE / "index" / dataset).glob("*.csv"))]
         assert names == (["0000", "0001"] if dataset == "synscapes" else ["all"])
-        index = read_index(*(f"{dataset}/{name}" for name in names))
+        index = read_index(*(index_of(dataset, name) for name in names))
         assert list(index) == sorted(index) or dataset == "synscapes"
         assert all(sha256(HERE / dataset / path) == digest for path, digest in index.items())
         assert (HERE / dataset / "README.txt").is_file()
@@ -78,8 +79,8 @@ def test_the_index_lists_every_file_with_its_hash(here: Path) -> None:
 
 def test_synscapes_is_complete(here: Path) -> None:
     root = HERE / "synscapes"
-    assert len(read_index("synscapes/0000")) == 4 * 4
-    assert len(read_index("synscapes/0001")) == 3 * 4
+    assert len(read_index(index_of("synscapes", "0000"))) == 4 * 4
+    assert len(read_index(index_of("synscapes", "0001"))) == 3 * 4
     for frame in range(1, 8):
         scene = frames.synscapes(2019, frame - 1, SIZE)
         assert np.array_equal(read_rgb(root / synscapes.rgb(frame)), scene.rgb)
@@ -97,7 +98,7 @@ def test_synscapes_is_complete(here: Path) -> None:
 
 
 def test_cityscapes_is_complete(here: Path) -> None:
-    root, index = HERE / "cityscapes", read_index("cityscapes/all")
+    root, index = HERE / "cityscapes", read_index(index_of("cityscapes"))
     for split, count in (("train", 8), ("val", 4)):
         names = cityscapes.frames(index, split)
         assert len(names) == count
@@ -198,8 +199,8 @@ def test_a_real_root_is_read_and_never_written(made: Path, tmp_path: Path, monke
         assert [path.name for path in (HERE / name).iterdir()] == ["README.txt"]
         record = (HERE / "index" / name / "run.json").read_text()
         assert str(tmp_path) not in record
-    for name in DATASETS[1:]:
-        assert index_path(f"{name}/all").read_bytes() == (made / index_path(f"{name}/all")).read_bytes()
+    for name in real.keys() - {"synscapes"}:
+        assert index_of(name).read_bytes() == (made / index_of(name)).read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -220,7 +221,7 @@ def test_a_missing_file_is_named(
     (tmp_path / "real" / gone).unlink()
     with pytest.raises(FoggyError, match=message):
         scenes(small(roots={dataset: "real"}), dataset)
-    assert not index_path(f"{dataset}/all").exists()
+    assert not index_of(dataset).exists()
 
 
 def test_wrong_calls_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from records import vouch
+from records import index_of, vouch
 
 from foggy_synscapes.datasets import cityscapes, foggy_cityscapes, synscapes
 from foggy_synscapes.datasets.index import write_index
@@ -14,7 +14,8 @@ from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.params import check
-from foggy_synscapes.stages.subset import interleave, run, subset
+from foggy_synscapes.stages.subset import run, subset
+from foggy_synscapes.subsets.mixed import interleave
 
 ROOT = Path(__file__).resolve().parents[2]
 REFINED = {
@@ -60,7 +61,7 @@ def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict:
 def listed(dataset: str, paths: list[str], others: tuple | list = (), part: str = "all") -> None:
     for path in paths:
         write_bytes(Path(dataset) / path, path.encode())
-    write_index(f"{dataset}/{part}", Path(dataset), [*paths, *others])
+    write_index(index_of(dataset, part), Path(dataset), [*paths, *others])
     vouch()
 
 
@@ -104,8 +105,8 @@ def test_a_mix_has_two_purely_synthetic_images_for_each_partially_synthetic_one(
     ("ratio", "mixed"), [((2, 1), "aaxaayaax"), ((1, 1), "axayaxayaxay"), ((1, 5), "a" + "xyxyx" + "a" + "yxyxy")]
 )
 def test_foggy_cityscapes_is_repeated_at_every_ratio(ratio: tuple[int, int], mixed: str) -> None:
-    purely = mixed.count("a")
-    assert "".join(interleave(["a"] * purely, ["x", "y"], ratio)) == mixed
+    count = mixed.count("a")
+    assert "".join(interleave(["a"] * count, ["x", "y"], ratio)) == mixed
 
 
 def test_training_and_validation_never_share_a_frame(document: dict) -> None:
@@ -129,7 +130,7 @@ def test_a_frame_without_fog_or_without_labels_is_named(document: dict) -> None:
         subset(check(document, "params.yaml"), "FS-498")
     listed("cityscapes", [cityscapes.image("train/aachen/aachen_000000_000019")])
     with pytest.raises(
-        FoggyError, match=r"gtFine/train/aachen/aachen_000000_000019_gtFine_labelIds\.png is not in the index"
+        FoggyError, match=r"gtFine/train/aachen/aachen_000000_000019_gtFine_labelIds\.png is not in its index"
     ):
         subset(
             check(counts(document, C={"train": 1, "validation": 1}, FS_24500={"train": 4, "validation": 2}), "p"), "C"
@@ -140,7 +141,7 @@ def test_a_frame_without_fog_or_without_labels_is_named(document: dict) -> None:
 def test_a_refined_list_that_is_none_is_refused(document: dict, line: str) -> None:
     name = document["scenes"]["refined_list"]
     write_text(Path("foggy_cityscapes") / name, line + "\n")
-    write_index("foggy_cityscapes/all", Path("foggy_cityscapes"), [name])
+    write_index(index_of("foggy_cityscapes"), Path("foggy_cityscapes"), [name])
     vouch()
     with pytest.raises(FoggyError, match=r"line 1: .* is not like train/aachen"):
         subset(check(document, "params.yaml"), "FC-498")

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -80,9 +81,10 @@ def test_writes_csv_latex_markdown_html_and_a_record(document):
     assert "stand-in" in latex
     assert "stand-in" in markdown
     page = Path("results/tables/foggy_zurich.html").read_text()
-    assert "24,500 → 600 here" in page
-    assert page.count("<table>") == latex.count(r"\begin{tabular}") == 3
-    assert page.count("<b>") == markdown.count("**") / 2
+    assert "24,500 -&gt; 600 here" in page
+    assert page.count("<table ") == latex.count(r"\begin{tabular}") == 3
+    bold = re.findall(r"([^{}]*)\{\s*font-weight: bold", page)
+    assert sum(marks.count("#T_") for marks in bold) == markdown.count("**") / 2
     means = json.loads(Path("results/tables/foggy_zurich.json").read_text())
     assert means == {"BiSeNet": {"C": scores["mean_iou"]["annotated"]}}
     record = json.loads(Path("results/tables/foggy_zurich.run.json").read_text())

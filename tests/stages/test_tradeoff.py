@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fog_frames import CAMERA, content, write_frames
-from records import vouch
+from records import index_of, vouch
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import write_index
@@ -94,7 +94,9 @@ def params(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Params:
     monkeypatch.chdir(tmp_path)
     write_frames(Path("synscapes"), 2)
     write_index(
-        "synscapes/0000", Path("synscapes"), [path(n) for n in (1, 2) for path in (synscapes.rgb, synscapes.depth)]
+        index_of("synscapes", "0000"),
+        Path("synscapes"),
+        [path(n) for n in (1, 2) for path in (synscapes.rgb, synscapes.depth)],
     )
     write_csv("results/filter/kept.csv", ("id", *vars(CAMERA)), [(n, *vars(CAMERA).values()) for n in (1, 2)])
     vouch()

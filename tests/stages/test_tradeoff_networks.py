@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import torch
 import yaml
-from records import vouch
-from training_project import frame, project_in, write_lists
+from records import index_of, vouch
+from training_project import frame, project_in, write_list, write_lists
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.datasets.index import write_index
@@ -32,18 +32,18 @@ from foggy_synscapes.tradeoff.networks import (
     pareto_front,
     recommended,
 )
-from foggy_synscapes.tradeoff.text import rows
+from foggy_synscapes.tradeoff.text import BACKENDS, backends
 
-MODEL = Path("results/train/refinenet/FC-498/seed-0/model.safetensors")
+MODEL = Path("results/train/refinenet/FS-24500/seed-0/model.safetensors")
 
 
 def score(way: str, cpu_ms: float | None, right: int, scale: float = 1.0) -> Score:
     """A way that gets `right` of 100 pixels of road right and calls the others sidewalk."""
     if cpu_ms is None:
-        return Score("net", scale, way)
+        return Score("bisenet", scale, way)
     matrix = np.zeros((19, 20), np.int64)
     matrix[0, :2] = right, 100 - right
-    return Score("net", scale, way, cpu_ms, summarize(matrix, 1), largest=0.5, changed=2.0)
+    return Score("bisenet", scale, way, cpu_ms, summarize(matrix, 1), largest=0.5, changed=2.0)
 
 
 def test_the_front_weighs_time_against_mean_iou() -> None:
@@ -59,7 +59,7 @@ def test_the_front_weighs_time_against_mean_iou() -> None:
 
 def test_the_fastest_way_that_loses_little_is_recommended() -> None:
     plain = score(EAGER, 10, 80)
-    assert recommended([plain, score(ONNX, 5, 80), score(INT8, 2, 79)], "net").way == ONNX
+    assert recommended([plain, score(ONNX, 5, 80), score(INT8, 2, 79)], "bisenet").way == ONNX
     text = paragraph([plain, score(ONNX, 5, 80), score(INT8, 2, 79), score(BFLOAT16, None, 0)])
     assert "Take **ONNX float32** at scale 1: 5.0 ms, 2.0 times as fast, 0.00 points" in text
     assert "ONNX int8 at scale 1 is 5.0 times as fast at -1.00 points." in text
@@ -68,12 +68,11 @@ def test_the_fastest_way_that_loses_little_is_recommended() -> None:
 
 
 def test_what_was_not_measured_prints_dashes() -> None:
-    plain, half, missing = rows(
-        [score(EAGER, 10, 80), score(EAGER, 5, 60, 0.5), score(INT8, None, 0)], [True, True, False]
-    )
+    measured = [score(EAGER, 10, 80), score(EAGER, 5, 60, 0.5), score(INT8, None, 0)]
+    plain, half, missing = backends(measured, [True, True, False])[list(BACKENDS)].itertuples(index=False, name=None)
     assert plain[3:8] == ("10.0", "1.00", "80.00", "0.00", "")
     assert half[3:8] == ("5.0", "2.00", "60.00", "-20.00", "road -20.0")
-    assert missing == ("net", "1", "ONNX int8", *["--"] * 7, "")
+    assert missing == ("bisenet", "1", "ONNX int8", *["--"] * 7, "")
 
 
 def test_without_the_packages_pytorch_is_measured_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,21 +86,24 @@ def test_without_the_packages_pytorch_is_measured_alone(monkeypatch: pytest.Monk
 
 
 def test_training_time_is_counted_up_from_measured_iterations() -> None:
-    few, many = training.Cost("net", "few", 100, 50, 1.2, 30.0), training.Cost("net", "many", 900, 500, 1.2, 31.5)
+    few, many = (
+        training.Cost("bisenet", "few", 100, 50, 1.2, 30.0),
+        training.Cost("bisenet", "many", 900, 500, 1.2, 31.5),
+    )
     assert few.minutes == pytest.approx(1.0)
     text = training.paragraph([many, few])
-    assert text == "net: many (900 images) takes 10.0 times as long as few (100); mean IoU changes by +1.50 points."
+    assert text == "BiSeNet: many (900 images) takes 10.0 times as long as few (100); mean IoU changes by +1.50 points."
 
 
 @pytest.fixture
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two test images, a model, and lists to calibrate on and to train on."""
     project_in(tmp_path, monkeypatch)
-    for row in ("FS-498", "FS-24500"):
-        write_lists(row)
+    write_lists("FS-24500")
+    write_list("FS-498", "train", write_lists("FS-498")[:2])
     document = yaml.safe_load(Path("params.yaml").read_text())
     document["train"]["networks"] = ["refinenet"]
-    document["tradeoff"] |= {"row": "FC-498", "test_set": "cityscapes", "scales": [1.0], "calibration": 2, "steps": 1}
+    document["tradeoff"] |= {"row": "FS-24500", "test_set": "cityscapes", "scales": [1.0], "calibration": 2, "steps": 1}
     Path("params.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
     root, names = Path("results/scenes/cityscapes"), []
     for number in range(2):
@@ -110,7 +112,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ):
             names.append(f"{kind}/val/town/town_00000{number}_000019_{ending}.png")
             write_bytes(root / names[-1], encode_png(pixels))
-    write_index("cityscapes/all", root, names)
+    write_index(index_of("cityscapes"), root, names)
     torch.manual_seed(0)
     network = build(NetworkConfig("refinenet", "resnet18", 8, 4, auxiliary=False))
     write_bytes(MODEL, dump(network, Preprocessing()))
@@ -144,7 +146,7 @@ def test_table_plot_and_text_are_written(project: Path, capsys: pytest.CaptureFi
     costs = read_csv("results/tradeoff/training.csv")
     assert [(row["row"], row["images"], row["miou"]) for row in costs] == [
         ("FS-24500", "4", "--"),
-        ("FS-498", "4", "--"),
+        ("FS-498", "2", "--"),
     ]
     assert "RefineNet: PyTorch in float32 takes" in Path("results/tradeoff/networks.md").read_text()
     for ending, start in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("tex", b"% Needs")):

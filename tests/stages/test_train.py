@@ -16,6 +16,7 @@ from foggy_synscapes.frames import recipes, rendering
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.shards import write_shard
+from foggy_synscapes.params import load
 
 
 @pytest.fixture
@@ -33,7 +34,7 @@ def test_a_baseline_and_its_fine_tuning_leave_model_curve_and_record(project, ne
     record = json.loads(Path(f"results/train/{network}/FC-498/seed-0/run.json").read_text())
     assert f"results/train/{network}/C/seed-0/model.safetensors" in record["inputs"]
     assert record["params"]["train"][network]["fine_tuning"]["batch"] == 2
-    assert "stages/train.py" in record["code"]
+    assert "stages.train" in record["code"]
     with open(f"results/train/{network}/C/seed-0/curves.csv") as file:
         rows = list(csv.DictReader(file))
     assert [row["step"] for row in rows] == ["1", "2", "3"]
@@ -249,7 +250,7 @@ def test_a_public_model_is_row_c_where_the_baseline_is_not_trained(project, caps
 
 def write_foggy_lists(row, recipe):
     """A shard of foggy images, or of their recipes, and the lists of a row that name its members."""
-    folder, beta = Path("results/scenes/synscapes"), "0.005"
+    folder, beta, fog = Path("results/scenes/synscapes"), "0.005", load("params.yaml").fog
     index, members, entries = {}, [], []
     for number in range(1, 7):
         write_frame(folder, number)
@@ -261,9 +262,10 @@ def write_foggy_lists(row, recipe):
         light, _ = rendering.airlight_of(clear.image, rendering.KEEP)
         name = synscapes.foggy_name(number, beta)
         if recipe:
-            name, data = uris.recipe(name), recipes.write(clear, CAMERA, "paper", light, beta, number, index)
+            name, data = uris.recipe(name), recipes.write(clear, CAMERA, fog, light, beta, number, index)
         else:
-            (data,) = rendering.foggy_pngs(clear, rendering.rays_of(clear, CAMERA, "", "paper"), light, [beta], 0)
+            rays = rendering.rays_of(clear, CAMERA, "", fog.geometry)
+            (data,) = rendering.foggy_pngs(fog.model, clear, rays, light, [beta], 0)
         members.append((name, data))
         entries.append([uris.of_fog(beta, "0000", name), sha256_bytes(data), f"synscapes:{number}.png"])
         entries[-1].append(sha256_bytes(label))

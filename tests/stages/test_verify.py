@@ -9,8 +9,8 @@ from records import vouch
 from foggy_synscapes.cli import main
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import write_csv
+from foggy_synscapes.params import load, resolved
 
 ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = ("path", "size", "sha256")
@@ -22,7 +22,7 @@ RECORD = LIST.with_name("run.json")
 def listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of one training and one validation frame, made by `foggy subset`."""
     monkeypatch.chdir(tmp_path)
-    document = read_yaml(ROOT / "params/smoke.yaml")
+    document = resolved.document(load(ROOT / "params/smoke.yaml"))
     document["subset"]["clear"]["C"] = {"train": 1, "validation": 1}
     write_text("params.yaml", json.dumps(document))
     paths = [
@@ -69,13 +69,13 @@ def test_another_instruction_set_version_or_code_is_told(capsys: pytest.CaptureF
     edited(
         instructions={"machine": "riscv64", "extensions": record["instructions"]["extensions"] + " RVV"},
         versions={**record["versions"], "python": "2.7"},
-        code={**record["code"], "stages/subset.py": "0" * 64},
+        code={**record["code"], "stages.subset": "0" * 64},
     )
     told = rebuilt(capsys, 0)
     assert "instruction set: extensions was with RVV, is without" in told
     assert "instruction set: machine was with riscv64, is without; without" in told
     assert "python was 2.7, is" in told
-    assert "code changed since: stages/subset.py" in told
+    assert "code changed since: stages.subset" in told
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import torch
 from foggy_synscapes.cli import main
 from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.importers.layouts import LAYOUTS
+from foggy_synscapes.networks.importers.layouts import layouts
 from foggy_synscapes.networks.weights import load_model
 
 SMALL = {
@@ -24,7 +24,7 @@ def public(layout, network="bisenet"):
     """A network's tensors under the names of a layout, and the network."""
     torch.manual_seed(0)
     module = build(SMALL[network]).eval()
-    translate = LAYOUTS[layout].translate
+    translate = layouts()[layout].translate
     return {translate(name, module.config): tensor for name, tensor in module.state_dict().items()}, module
 
 

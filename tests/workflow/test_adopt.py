@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from engines import hashes, planned, run
+from engines import ROOT, complete, hashes, planned, run
+
+from foggy_synscapes.io.atomic import write_text
 
 pytestmark = pytest.mark.xdist_group("chain")
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
@@ -17,7 +19,8 @@ METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
 def copied(source: Path, target: Path) -> Path:
     """A clone with its results, which a test may change."""
     shutil.copytree(source, target, symlinks=True)
-    shutil.copy(target / "params/smoke.yaml", target / "params.yaml")
+    for name in ("params.yaml", "params/smoke.yaml"):
+        write_text(target / name, complete(target / "params/smoke.yaml"))
     if not (target / ".git").exists():
         subprocess.run(["git", "init", "--quiet"], cwd=target, check=True)
     return target
@@ -100,9 +103,19 @@ def test_altered_results_and_images_are_not_certified(snakemake: Path, tmp_path:
 def test_another_params_file_than_dvc_reads_is_refused(tmp_path: Path) -> None:
     for name in ("Snakefile", "dvc.yaml"):
         (tmp_path / name).write_text("")
-    (tmp_path / "params.yaml").write_text("a: 1")
-    (tmp_path / "other.yaml").write_text("a: 2")
-    assert "cp other.yaml params.yaml" in refused(tmp_path, "--from", "snakemake", "--params", "other.yaml")
+    shutil.copy(ROOT / "params.yaml", tmp_path)
+    (tmp_path / "other.yaml").write_text("figures: {images: 1}")
+    message = refused(tmp_path, "--from", "snakemake", "--params", "other.yaml")
+    assert "foggy params --file other.yaml --out params.yaml" in message
+
+
+def test_params_that_leave_values_to_the_defaults_are_not_what_dvc_reads(tmp_path: Path) -> None:
+    for name in ("Snakefile", "dvc.yaml"):
+        (tmp_path / name).write_text("")
+    (tmp_path / "params.yaml").write_text("figures: {images: 1}")
+    message = refused(tmp_path, "--from", "snakemake")
+    assert "leaves plugins to the packaged defaults" in message
+    assert "foggy params --file params.yaml --out params.yaml" in message
 
 
 def test_outside_of_a_project_it_says_where_to_run(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
-"""Both engines wire the same steps: same commands, same outputs, same edges; and each step declares what it imports."""
+"""Both engines wire the same steps: same commands, same outputs, same edges, same code."""
 
-import importlib.util
 import re
 import subprocess
 import sys
@@ -9,8 +8,14 @@ from pathlib import Path, PurePosixPath
 
 import pytest
 from dvc.repo import Repo
+from engines import in_plan
 
-from foggy_synscapes.provenance import source_digest
+from foggy_synscapes import steps as table
+from foggy_synscapes.jobs import Job
+from foggy_synscapes.params import load
+from foggy_synscapes.provenance.runs import code_of
+from foggy_synscapes.results import CODE
+from foggy_synscapes.stages.steps import dvc_yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 # Folders that only DVC knows as outputs: it restores stand-in images from its cache, file by file.
@@ -23,6 +28,7 @@ class Step:
 
     inputs: frozenset[str]
     outputs: frozenset[str]
+    code: frozenset[str] = frozenset()
 
 
 @pytest.fixture(scope="module")
@@ -34,16 +40,10 @@ def snakemake() -> dict[str, Step]:
     result = subprocess.run([*call, "--nolock"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
     steps = {}
-    for block in re.split(r"\n(?=(?:local)?rule )", result.stdout):
-        command = re.search(r"^Shell command: (foggy .*?)(?= > )", block, re.MULTILINE)
-        if command:
-            paths = {
-                name: frozenset(re.search(rf"^ +{name}: (.*)$", block, re.MULTILINE)[1].split(", "))
-                for name in ("input", "output")
-            }
-            # Trainings only wait for shards: their lists, which both engines see, hold the hash of each image.
-            waited = {path for path in paths["input"] if command[1].startswith("foggy train") and path.endswith(".tar")}
-            steps[command[1]] = Step(paths["input"] - waited, paths["output"])
+    for command, (inputs, outputs) in in_plan(result.stdout).items():
+        # Trainings only wait for shards: their lists, which both engines see, hold the hash of each image.
+        waited = {path for path in inputs if command.startswith("foggy train") and path.endswith(".tar")}
+        steps[command] = Step(inputs - waited, outputs)
     return steps
 
 
@@ -53,8 +53,11 @@ def dvc() -> dict[str, Step]:
     steps = {}
     with Repo(str(ROOT)) as repo:
         for stage in repo.index.stages:
-            inputs = {dep.def_path for dep in stage.deps if not dep.def_path.endswith(".yaml")}
-            steps[stage.cmd] = Step(frozenset(inputs), frozenset(out.def_path for out in stage.outs))
+            paths = {dep.def_path for dep in stage.deps if not dep.def_path.endswith(".yaml")}
+            code = frozenset(path for path in paths if is_below(path, CODE))
+            steps[stage.cmd] = Step(paths - code, frozenset(out.def_path for out in stage.outs), code)
+    # The stage that only writes what code means has no counterpart: Snakemake computes it when it plans.
+    del steps["foggy code"]
     return steps
 
 
@@ -98,41 +101,66 @@ def test_each_step_waits_for_the_same_steps(snakemake: dict[str, Step], dvc: dic
         assert ours == theirs, command
 
 
-def test_each_step_declares_every_source_file_that_it_imports(dvc: dict[str, Step]) -> None:
-    for command, step in dvc.items():
-        declared = {path.removeprefix("src/foggy_synscapes/") for path in step.inputs if path.startswith("src/")}
-        needed = set(source_digest.sources(command.split()[1]))
-        assert declared == needed, f"`{command}`: add {sorted(needed - declared)}, remove {sorted(declared - needed)}"
+def test_dvc_yaml_is_made_from_the_table_of_steps() -> None:
+    assert dvc_yaml(load(ROOT / "params.yaml")) == (ROOT / "dvc.yaml").read_text(), "run `make dvc.yaml`"
 
 
-def test_each_step_declares_the_locked_versions_of_its_libraries() -> None:
-    spec = importlib.util.spec_from_file_location("declare_sources", ROOT / "workflow/declare_sources.py")
-    declare_sources = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(declare_sources)
-    made = declare_sources.versions((ROOT / "requirements.lock").read_text())
-    assert made == (ROOT / "workflow/versions.yaml").read_text(), "run `make sources`"
+def test_both_engines_compare_the_same_code(snakemake: dict[str, Step], dvc: dict[str, Step]) -> None:
+    params = load(ROOT / "params.yaml")
+    for step in table.steps():
+        for values in step.all_values(params) if step.default else ():
+            command = " ".join(Job(step, params, values).command)
+            declared = {path for path in dvc[command].code if path.startswith(CODE)}
+            assert declared == {table.code_file(step, values)}, command
 
 
-def test_an_edit_of_the_fog_core_leaves_the_filter_alone() -> None:
-    assert not [path for path in source_digest.sources("filter") if path.startswith("fog/")]
-    assert [path for path in source_digest.sources("fog") if path.startswith("fog/")]
+# Packages below src/foggy_synscapes whose modules count for a word, with those of one of its jobs.
+COUNTED = {
+    "scenes": "camera datasets io labels scoring stages standin",
+    "filter": "camera datasets io stages",
+    "fog": "camera datasets fog frames io jit stages",
+    "subset": "camera datasets io scoring stages subsets",
+    "train": "datasets frames io labels networks stages training",
+    "evaluate": "datasets io labels networks scoring stages",
+    "tables": "datasets io labels networks scoring stages tables",
+    "figures": "camera datasets figures fog io jit labels networks scoring stages training",
+    "stability": "camera figures fog io jit networks scoring stability stages tables training",
+}
 
 
-@pytest.mark.parametrize("word", ["scenes", "filter", "fog", "subset", "tables", "figures"])
-def test_steps_without_a_network_do_not_import_torch(word: str) -> None:
-    assert "torch" not in source_digest.libraries(word)
+@pytest.mark.parametrize("word", COUNTED)
+def test_what_counts_for_each_word(word: str) -> None:
+    params = load(ROOT / "params.yaml")
+    found: set[str] = set()
+    for step in table.of(word):
+        for values in step.all_values(params):
+            modules, _ = code_of(Job(step, params, values))
+            found |= {re.split(r"[./]", name)[0] for name in modules}
+    assert " ".join(sorted(found)) == COUNTED[word]
 
 
-def test_imports_run_downwards_only() -> None:
-    cores = ("fog", "inference", "networks", "training", "scoring", "scenes", "tabling", "plotting", "weighing")
-    for path in sorted((ROOT / "src/foggy_synscapes").rglob("*.py")):
-        room = path.relative_to(ROOT / "src/foggy_synscapes").parts[0]
-        text = path.read_text(encoding="utf-8")
-        imported = set(re.findall(r"^\s*(?:from|import) foggy_synscapes\.(\w+)", text, re.MULTILINE))
-        if room in cores:
-            assert not imported & {"io", "stages", "cli", "params"}, path
-        if room in ("io", "datasets", "stages"):
-            assert "cli" not in imported, path
-            assert "stages" not in imported, path
-        if room == "io":
-            assert not imported & {*cores, "datasets"}, path
+def test_training_a_network_does_not_hang_on_another() -> None:
+    params = load(ROOT / "params.yaml")
+    modules, libraries = code_of(table.job(params, "train", network="bisenet", row="C", seed="0"))
+    assert not [name for name in modules if "refinenet" in name]
+    assert not [name for name in modules if name.startswith(("fog", "frames.", "figures", "tables", "standin"))]
+    assert "torch" in libraries
+
+
+@pytest.mark.parametrize("name", ["cli", "params", "steps", "jobs", "provenance.runs", "errors", "registry", ""])
+def test_the_chassis_counts_for_no_job(name: str) -> None:
+    params = load(ROOT / "params.yaml")
+    for step in table.steps():
+        for values in step.all_values(params)[:1]:
+            assert name not in code_of(Job(step, params, values))[0], step.name
+
+
+def test_paths_of_results_are_written_in_the_table_alone() -> None:
+    spelt = [
+        path.relative_to(ROOT).as_posix()
+        for folder in ("src", "workflow")
+        for path in sorted((ROOT / folder).rglob("*"))
+        if path.suffix in (".py", ".smk") and path.name not in ("steps.py", "results.py")
+        if re.search(r"""["'(]results/[a-z]""", path.read_text(encoding="utf-8"))
+    ]
+    assert spelt == []

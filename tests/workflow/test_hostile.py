@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from engines import clone, for_dvc, run
+from engines import clone, complete, for_dvc, run
 
 from foggy_synscapes.datasets import foggy_zurich
 from foggy_synscapes.io.atomic import write_bytes, write_text
@@ -36,7 +36,7 @@ def zurich(root: Path) -> None:
 
 def changed(folder: Path, file: str, **sections: dict) -> None:
     """Params of the smoke case with some values changed, as `file`."""
-    document = yaml.safe_load((folder / "params/smoke.yaml").read_text())
+    document = yaml.safe_load(complete(folder / "params/smoke.yaml"))
     for section, values in sections.items():
         for key, value in values.items():
             document[section][key] = {**document[section][key], **value} if isinstance(value, dict) else value

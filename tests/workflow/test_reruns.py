@@ -10,7 +10,7 @@ from reads import undeclared, watch
 
 pytestmark = pytest.mark.xdist_group("chain")
 # `make reruns` goes through the other changes of the table in tests/helpers/changes.py, `make reads` through all jobs.
-RERUNS = ("a beta added, for FS-498", "a comment in the code of a table", "a table altered by hand")
+RERUNS = ("a beta added, for FS-498", "a comment in the code of the fog", "a table altered by hand")
 READS = ("filter", "subset FC-FS-498", "tables foggy_zurich")
 
 
@@ -18,7 +18,7 @@ READS = ("filter", "subset FC-FS-498", "tables foggy_zurich")
 def test_a_change_makes_exactly_the_jobs_run_that_it_reaches(snakemake: Path, dvc: Path, name: str) -> None:
     (change,) = (change for change in CHANGES if change.name == name)
     direct, problems = compare_plans(change, snakemake, dvc)
-    assert direct
+    assert bool(direct) != name.startswith("a comment")
     assert not problems
 
 

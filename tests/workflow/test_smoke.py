@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 from engines import clone, hashes, run
 
-from foggy_synscapes.datasets.test_sets import labelled_pairs
+from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.io.images import encode_png, read_ids
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.labels import from_train_ids
+from foggy_synscapes.params import load
 
 pytestmark = pytest.mark.xdist_group("chain")
 TABLES = [
@@ -63,7 +64,8 @@ def test_scores_are_those_of_the_official_scorer(snakemake: Path, tmp_path: Path
         test_set = path.parents[3].name
         root = snakemake / "results/scenes" / test_set
         listed = read_csv(snakemake / f"results/scenes/index/{test_set}/all.csv")
-        pairs = labelled_pairs(test_set, root, {line["path"]: line["sha256"] for line in listed}, "testv2")
+        index = {line["path"]: line["sha256"] for line in listed}
+        pairs = DATASETS[test_set].test_pairs(root, index, load(snakemake / "params/smoke.yaml").scenes)
         guesses = []
         with Shard(path.with_name("predictions.tar")) as shard:
             for image, _ in pairs:

@@ -87,7 +87,8 @@ def test_what_was_altered_is_flagged_from_raw_data_to_code(snakemake: Path, tmp_
 
 
 def test_a_cell_leads_to_its_model_its_lists_and_its_images(snakemake: Path) -> None:
-    cell = json.loads(trace(snakemake, "--cell", "RefineNet", "FC-FS-498", "vegetation", "--json"))
+    chosen = ("RefineNet", "FC-FS-498", "vegetation", "--test-set", "foggy_zurich")
+    cell = json.loads(trace(snakemake, "--cell", *chosen, "--json"))
     assert (cell["test_set"], cell["network"], cell["row"], cell["score"]) == (
         "foggy_zurich", "RefineNet", "FC-FS-498", "vegetation"
     )  # fmt: skip

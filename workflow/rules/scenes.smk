@@ -1,37 +1,25 @@
-def index_parts(dataset):
-    """Index files of a dataset: Synscapes has one per shard."""
-    parts = SHARDS if dataset == "synscapes" else ["all"]
-    return [f"results/scenes/index/{dataset}/{part}.csv" for part in parts]
-
-
-for name in (
-    "synscapes",
-    "cityscapes",
-    "foggy_cityscapes",
-    "foggy_driving",
-    "foggy_zurich",
-):
+for step in steps("scenes"):
 
     rule:
-        """Render the stand-in of one dataset where its root says so, and list what the dataset holds."""
+        """List what one dataset holds, and draw its stand-in first where its root says so."""
         name:
-            f"scenes_{name}"
+            step.name
         input:
-            code=code("scenes"),
+            inputs(step),
         output:
-            index_parts(name),
-            f"results/scenes/index/{name}/run.json",
-            f"results/scenes/{name}/README.txt",
+            outputs(step),
         log:
-            f"results/logs/scenes/{name}.log",
+            log_file(step),
         benchmark:
-            f"results/benchmarks/scenes/{name}.tsv"
+            benchmark_file(step)
+        wildcard_constraints:
+            **constraints(step),
         resources:
-            mem_mb=memory(1_000),
-            runtime=12 * 60,
+            mem_mb=memory(step),
+            runtime=step.minutes,
         params:
-            versions=versions("scenes"),
-            dataset=name,
-            reads=reads(*PARAMS.scenes.deciding(name)),
+            command=command(step),
+            reads=reads(step),
+            code=code(step),
         shell:
-            "foggy scenes --dataset {params.dataset}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

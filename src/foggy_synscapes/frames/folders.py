@@ -3,7 +3,7 @@
 import ctypes
 import signal
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Generator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
@@ -28,7 +28,7 @@ AHEAD = 3  # frames per process that are handed out before the first is done: ke
 
 @dataclass(frozen=True)
 class Job:
-    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort."""
+    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort, `model` of fog."""
 
     out: Path
     betas: list[str]
@@ -36,6 +36,7 @@ class Job:
     transmittance: bool
     level: int
     treatment: str
+    model: str = "homogeneous"
 
     def paths(self, frame: Frame) -> tuple[list[Path], list[Path]]:
         """Foggy images and transmittance maps of a frame, one per beta."""
@@ -63,7 +64,7 @@ class Done:
         self.warnings += other.warnings
 
 
-def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Light]) -> Iterator[Done]:
+def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Light]) -> Generator[Done, None, None]:
     """Fog frame by frame, results in the order of `frames`.
 
     known : airlight by frame id, of frames whose image did not change since
@@ -127,8 +128,8 @@ def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
     # Files are synced one by one: several at a time wait for the disk together.
     with ThreadPoolExecutor(WRITERS) as writer:
         kinds = (
-            (foggy, partial(rendering.foggy_pngs, clear, rays, light)),
-            (maps, partial(rendering.transmittance_pngs, clear, rays)),
+            (foggy, partial(rendering.foggy_pngs, job.model, clear, rays, light)),
+            (maps, partial(rendering.transmittance_pngs, job.model, clear, rays)),
         )
         pending = []
         for paths, encode in kinds:

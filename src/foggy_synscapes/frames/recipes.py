@@ -5,72 +5,45 @@ when it was written. Who composites it gets exactly these pixels or an error, al
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import synscapes, uris
-from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight
-from foggy_synscapes.fog.optics import foggy_images
+from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.frames import rendering
 from foggy_synscapes.io.hashing import sha256_bytes
+from foggy_synscapes.params import Fog
 
-KEYS = ("airlight", "beta", "camera", "geometry", "inputs", "pixels")
+KEYS = ("airlight", "beta", "camera", "geometry", "inputs", "model", "pixels")
 
 
 def write(
-    clear: rendering.Clear, camera: Camera, geometry: str, light: Airlight, beta: str, frame: int, index: dict[str, str]
+    clear: rendering.Clear, camera: Camera, fog: Fog, light: Airlight, beta: str, frame: int, index: Mapping[str, str]
 ) -> bytes:
-    """Recipe of a frame at one beta in 1/m; `index` holds the SHA-256 of the dataset's files by path."""
+    """Recipe of a frame at one beta in 1/m, by the model and geometry of the params section fog.
+
+    index : SHA-256 of the dataset's files by path
+    """
     recipe = {
         "airlight": light.levels,
         "beta": beta,
         "camera": vars(camera),
-        "geometry": geometry,
+        "geometry": fog.geometry,
         "inputs": [
             (uris.of_dataset("synscapes", path), index[path]) for path in (synscapes.rgb(frame), synscapes.depth(frame))
         ],
+        "model": fog.model,
     }
-    pixels = _composite(clear, recipe)
-    return json.dumps({**recipe, "pixels": sha256_bytes(pixels)}, sort_keys=True, indent=1).encode()
+    pixels = pixels_of(clear, recipe)
+    return json.dumps({**recipe, "pixels": sha256_bytes(pixels.data)}, sort_keys=True, indent=1).encode()
 
 
-def composite(data: bytes, read: Callable[[str, str], bytes], called: str) -> np.ndarray:
-    """The foggy image of a recipe: uint8 (H, W, 3), equal to the rendered one.
-
-    Parameters
-    ----------
-    data : the recipe
-    read : gives the bytes behind a URI, checked against a SHA-256
-    called : what errors call the recipe
-
-    Raises FoggyError if it is no recipe, its frame cannot be read, or other pixels come out than when it was written.
-    """
-    recipe = _parse(data, called)
-    (rgb, rgb_sha256), (depth, depth_sha256) = recipe["inputs"]
-    clear = rendering.read_clear(read(rgb, rgb_sha256), read(depth, depth_sha256), rgb, depth)
-    pixels = _composite(clear, recipe)
-    if sha256_bytes(pixels) != recipe["pixels"]:
-        raise FoggyError(
-            f"{called}: other pixels come out than when the recipe was written. Has the code of fog changed? "
-            "Then make the shard again by `foggy fog`, and what follows from it."
-        )
-    return pixels
-
-
-def _composite(clear: rendering.Clear, recipe: dict[str, Any]) -> np.ndarray:
+def pixels_of(clear: rendering.Clear, recipe: dict[str, Any]) -> np.ndarray:
+    """The foggy image that a recipe describes: uint8 (H, W, 3)."""
     rays = rendering.rays_of(clear, Camera(**recipe["camera"]), "the recipe", recipe["geometry"])
-    return foggy_images(clear.image, clear.depth, rays, recipe["airlight"], [float(recipe["beta"])])[0]
-
-
-def _parse(data: bytes, called: str) -> dict[str, Any]:
-    try:
-        recipe = json.loads(data)
-        if sorted(recipe) != sorted(KEYS) or [len(entry) for entry in recipe["inputs"]] != [2, 2]:
-            raise ValueError(f"expected {', '.join(KEYS)}")
-    except (ValueError, TypeError) as error:
-        raise FoggyError(f"{called}: no recipe of a foggy image: {error}. Make the shard again.") from error
-    return recipe
+    frame = clear.image, clear.depth, rays, recipe["airlight"], [float(recipe["beta"])]
+    return MODELS[recipe["model"]].images(*frame)[0]

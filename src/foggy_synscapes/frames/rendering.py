@@ -1,7 +1,7 @@
 """One frame from its files: read, fog at several betas, encode."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -10,10 +10,13 @@ import numpy as np
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import synscapes
+from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
-from foggy_synscapes.fog.optics import count_zero_depth, foggy_images, foggy_scan_lines, transmittance_images
+from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.optics import count_zero_depth
+from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
@@ -71,7 +74,20 @@ def read_clear(rgb: Path | bytes, depth: Path | bytes, rgb_name: str, depth_name
     try:
         return Clear(image, metres, rgb_name, depth_name, count_zero_depth(metres))
     except ValueError as error:
-        raise FoggyError(f"{depth_name}: {error}. Fetch the file again, or mend it at its source.") from error
+        raise FoggyError(f"{depth_name}: {error}. Fetch the file again, or repair it at its source.") from error
+
+
+def read_frame(folder: Path, frame: int, index: Mapping[str, str]) -> Clear:
+    """Read a frame of Synscapes whose files have to be as they were indexed."""
+    paths = synscapes.rgb(frame), synscapes.depth(frame)
+    rgb, depth = (read_indexed(folder, path, index) for path in paths)
+    return read_clear(rgb, depth, str(folder / paths[0]), str(folder / paths[1]))
+
+
+def read_indexed(folder: Path, path: str, index: Mapping[str, str]) -> bytes:
+    """Read a file of Synscapes that has to be as it was indexed."""
+    expect(index, [path], "synscapes")
+    return read_checked(folder / path, index[path])
 
 
 def read_camera(path: Path) -> Camera:
@@ -89,7 +105,7 @@ def read_camera(path: Path) -> Camera:
         )
     (left, top), (right, bottom) = header["dataWindow"]
     try:
-        columns, rows = (tuple(float(edge) for edge in edges) for edges in header["image:window"])
+        columns, rows = ((float(first), float(last)) for first, last in header["image:window"])
         return camera_from_window(
             float(header["camera:zoom"]), columns, rows, int(right - left) + 1, int(bottom - top) + 1
         )
@@ -114,22 +130,23 @@ def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Ra
     return _rays(camera, geometry)
 
 
-def foggy_pngs(clear: Clear, rays: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
-    """Foggy images as PNG, one per beta in 1/m; `level` 0 is for photographs, 1 to 3 are deflate's effort."""
+def foggy_pngs(model: str, clear: Clear, rays: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
+    """Foggy images by a fog model as PNG, one per beta in 1/m; `level` 0: for photographs, 1 to 3: deflate's effort."""
     # Imported here: its loops are compiled, and Numba takes half a second.
     from foggy_synscapes.io.photographs import encode_photographs
 
     frame = clear.image, clear.depth, rays, light.levels, [float(beta) for beta in betas]
-    if level:
-        yield from (encode_png(image, level) for image in foggy_images(*frame))
+    chosen = MODELS[model]
+    if level or chosen.scan_lines is None:
+        yield from (encode_png(image, max(level, 1)) for image in chosen.images(*frame))
         return
     # A few rows at a time: what was rendered is encoded while the processor's cache still has it.
-    yield from encode_photographs((len(betas), *clear.depth.shape), foggy_scan_lines(*frame))
+    yield from encode_photographs((len(betas), *clear.depth.shape), chosen.scan_lines(*frame))
 
 
-def transmittance_pngs(clear: Clear, rays: Rays, betas: list[str], level: int) -> Iterator[bytes]:
+def transmittance_pngs(model: str, clear: Clear, rays: Rays, betas: list[str], level: int) -> Iterator[bytes]:
     """Transmittance in 8 bits as PNG, one per beta in 1/m."""
-    maps = transmittance_images(clear.depth, rays, [float(beta) for beta in betas])
+    maps = MODELS[model].transmittances(clear.depth, rays, [float(beta) for beta in betas])
     yield from (encode_png(one, max(level, 1)) for one in maps)  # smooth maps repeat: matches pay
 
 

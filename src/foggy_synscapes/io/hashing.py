@@ -15,7 +15,7 @@ def sha256(path: str | Path) -> str:
         raise FoggyError(f"{path}: cannot be read: {error.strerror}") from error
 
 
-def sha256_bytes(data: bytes) -> str:
+def sha256_bytes(data: bytes | memoryview) -> str:
     """SHA-256 of bytes in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
 

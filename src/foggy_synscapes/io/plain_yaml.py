@@ -7,7 +7,7 @@ import yaml
 
 from foggy_synscapes.errors import FoggyError
 
-LARGEST = 1_000_000  # bytes; the params of the full experiment have 10,000
+LARGEST = 1_000_000  # bytes; a complete params file has 17,000
 
 
 class _Loader(yaml.SafeLoader):

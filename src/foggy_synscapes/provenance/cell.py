@@ -3,18 +3,18 @@
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.datasets.scores import read_scores, scores_path
-from foggy_synscapes.datasets.uris import FOG
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.labels import CLASSES
+from foggy_synscapes.networks import NETWORKS, titles
 from foggy_synscapes.provenance.runs import state
 from foggy_synscapes.provenance.tree import UNCHANGED, Lineage
+from foggy_synscapes.results import FOG, METRICS, TABLE, run_file
+from foggy_synscapes.scoring.metrics_file import read_scores
 from foggy_synscapes.tables.numbers import round_half_up
-from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, NETWORKS
+from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED
 
-TABLE = "results/tables/{test_set}.csv"
 LISTS = ("train", "validation")
 
 
@@ -23,7 +23,7 @@ def trace_cell(lineage: Lineage, test_set: str, network: str, row: str, name: st
 
     Parameters
     ----------
-    test_set : e.g. foggy_zurich
+    test_set : name of a test set
     network : as printed or as in params, e.g. RefineNet; in any case
     row : e.g. FS-498
     name : class as Cityscapes spells it, or "mean IoU annotated", "mean IoU as published"
@@ -35,28 +35,28 @@ def trace_cell(lineage: Lineage, test_set: str, network: str, row: str, name: st
     FoggyError
         If the table was not made, or its runs were not.
     """
-    keys = {text.lower(): key for key, printed in NETWORKS.items() for text in (key, printed)}
+    keys = {text.lower(): key for key, printed in titles().items() for text in (key, printed)}
     names = {text.lower(): text for text in (*CLASSES, ANNOTATED, AS_PUBLISHED)}
     if network.lower() not in keys or name.lower() not in names:
         raise UsageError(
-            f"--cell {network} {row} {name!r}: networks are {', '.join(NETWORKS.values())}; "
+            f"--cell {network} {row} {name!r}: networks are {', '.join(titles().values())}; "
             f"scores are {', '.join(names.values())}"
         )
     network, name = keys[network.lower()], names[name.lower()]
-    table = TABLE.format(test_set=test_set)
-    lines = [line for line in read_csv(table) if (line["network"], line["score"]) == (NETWORKS[network], name)]
+    table = str(run_file(f"{TABLE}.csv", test_set))
+    lines = [line for line in read_csv(table) if (line["network"], line["score"]) == (NETWORKS[network].title, name)]
     printed = {line["row"]: line for line in lines}
     if row not in printed:
         raise UsageError(f"--cell ... {row}: the table of {test_set} has the rows {', '.join(printed)}")
     cell = printed[row]
     value = _number(cell["ours"])
     seeds = [column.removeprefix("seed_") for column in cell if column.startswith("seed_")]
-    made = [seed for seed in seeds if scores_path(test_set, network, row, seed).as_posix() in lineage.makers]
+    made = [seed for seed in seeds if run_file(METRICS, test_set, network, row, seed).as_posix() in lineage.makers]
     if not made:
-        raise FoggyError(f"{table}: row {row} of {NETWORKS[network]} was not run; its cells are --")
+        raise FoggyError(f"{table}: row {row} of {NETWORKS[network].title} was not run; its cells are --")
     return {
         "test_set": test_set,
-        "network": NETWORKS[network],
+        "network": NETWORKS[network].title,
         "row": row,
         "score": name,
         "printed": "-" if value is None else str(round_half_up(value)),
@@ -74,7 +74,7 @@ def _number(text: str) -> float | None:
 
 
 def _run(lineage: Lineage, test_set: str, network: str, row: str, name: str, seed: str, told: str) -> dict[str, Any]:
-    path = scores_path(test_set, network, row, seed)
+    path = run_file(METRICS, test_set, network, row, seed)
     scores = read_scores(path) or {"classes": [], "mean_iou": {}}
     counts: dict[str, Any] = next((entry for entry in scores["classes"] if entry["name"] == name), {})
     means = {ANNOTATED: "annotated", AS_PUBLISHED: "as_published"}
@@ -123,7 +123,7 @@ def _list(lineage: Lineage, name: str, digest: str) -> dict[str, Any]:
     for line in read_csv(name) if Path(name).is_file() else []:
         scheme, _, path = line["image"].partition(":")
         source, image = (
-            (str(FOG / path.partition("#")[0]), path.partition("#")[2]) if scheme == "fog" else (scheme, path)
+            (f"{FOG}/{path.partition('#')[0]}", path.partition("#")[2]) if scheme == "fog" else (scheme, path)
         )
         entry = {"image": image, "sha256": line["image_sha256"], "label": line["label"]}
         sources.setdefault(source, []).append({**entry, "label_sha256": line["label_sha256"]})

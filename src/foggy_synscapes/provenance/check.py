@@ -5,14 +5,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from foggy_synscapes.datasets.index import FOLDER, read_index
+from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.params import STAND_IN, Params
 from foggy_synscapes.provenance.recorded import leaves, select, without_folders
-from foggy_synscapes.provenance.runs import RESULTS, read_run, read_runs, record_of, state
+from foggy_synscapes.provenance.runs import read_run, read_runs, record_of, state
+from foggy_synscapes.results import INDEX, RESULTS, SCENES
 
-SCENES = Path("results/scenes")
 SNAKEMAKE = Path(".snakemake")
 
 
@@ -48,7 +48,7 @@ def differences(path: Path) -> tuple[list[str], int]:
     count = len(recorded)
     for index in map(Path, sorted(recorded)):
         if is_index(index) and index.is_file() and is_stand_in(index):
-            listing = raw_state(index, SCENES / dataset_of(index))
+            listing = raw_state(index, Path(SCENES, dataset_of(index)))
             problems += [f"{file}: {word} (listed in {index})" for word, file in listing.problems()]
             count += listing.files
     return problems, count
@@ -87,16 +87,16 @@ def _is_known_to_snakemake(path: Path) -> bool:
 
 def is_index(path: Path) -> bool:
     """Whether a result is the index of a dataset, or of a shard of one: where lineage meets raw data."""
-    return path.is_relative_to(FOLDER) and path.suffix == ".csv"
+    return path.is_relative_to(INDEX) and path.suffix == ".csv"
 
 
 def dataset_of(index: Path) -> str:
     """The dataset that an index lists.
 
-    >>> dataset_of(Path("results/scenes/index/foggy_zurich/all.csv"))
-    'foggy_zurich'
+    >>> dataset_of(Path(INDEX, "cityscapes/all.csv"))
+    'cityscapes'
     """
-    return index.relative_to(FOLDER).parts[0]
+    return index.relative_to(INDEX).parts[0]
 
 
 def is_stand_in(index: Path) -> bool:
@@ -122,7 +122,7 @@ class RawState:
 
 def raw_state(index: Path, root: Path) -> RawState:
     """Hash the files that an index lists, and compare."""
-    listed = read_index(index.relative_to(FOLDER).with_suffix("").as_posix())
+    listed = read_index(index)
     states = {
         str(root / path): state(root / path, digest)
         for path, digest in progress(listed.items(), f"verify {dataset_of(index)}", unit="file")

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 from foggy_synscapes import __version__
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256_bytes
+from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.recorded import leaves
-from foggy_synscapes.provenance.tree import UNCHANGED, Lineage, code_digest
+from foggy_synscapes.provenance.tree import UNCHANGED, Lineage
 
 if TYPE_CHECKING:
     from rocrate.model.entity import Entity
@@ -85,7 +86,7 @@ def _described(lineage: Lineage, name: str, date: str) -> tuple["ROCrate", int]:
     for place in places:
         record = lineage.records[place]
         word = record["command"][1]
-        code = code_digest(record["code"])
+        code = source_digest.identity(record["code"])
         libraries = [
             add(f"#{library}-{version}", "SoftwareApplication", name=library, softwareVersion=version)
             for library, version in sorted(record["versions"].items())
@@ -141,7 +142,7 @@ class _Files:
         node = self.lineage.file(name, digest)
         if node["state"] != UNCHANGED:
             raise FoggyError(
-                f"{name}: {node['state']}; a crate tells of what is as recorded. Run foggy trace, then mend."
+                f"{name}: {node['state']}; a crate tells of what is as recorded. Run foggy trace, then make it again."
             )
         size = Path(name).stat().st_size
         about = {"sha256": node["sha256"], "contentSize": str(size)}

@@ -12,24 +12,27 @@ from typing import Any
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.provenance.instructions import instructions
-from foggy_synscapes.provenance.runs import RESULTS, read_runs, record_of, versions
+from foggy_synscapes.provenance.runs import read_runs, record_of, versions_now
 from foggy_synscapes.provenance.tree import about
+from foggy_synscapes.results import RESULTS
+from foggy_synscapes.steps import steps
 
 SCRATCH = Path(".foggy")
-# A record is data: of its command, only these words and options are run.
-OPTIONS = {
-    "scenes": {"--dataset"},
-    "filter": set(),
-    "fog": {"--airlight", "--beta", "--shard"},
-    "subset": {"--row"},
-    "train": {"--network", "--row", "--seed"},
-    "evaluate": {"--network", "--row", "--seed", "--test-set"},
-    "tables": {"--test-set"},
-    "figures": {"--figure"},
-    "stability": set(),
-}
 OWN = {"results", ".foggy", ".snakemake", ".dvc", ".git"}
 """What a scratch copy of the project's folder has for itself; all else is linked."""
+
+
+def options() -> dict[str, set[str]]:
+    """Options of a job's command by its word, of all steps of the experiment: a record is data, and only these are run.
+
+    >>> sorted(options()["fog"])
+    ['--airlight', '--beta', '--shard']
+    """
+    found: dict[str, set[str]] = {}
+    for step in steps():
+        if step.default:
+            found.setdefault(step.word, set()).update(part for part in step.command.split() if part.startswith("--"))
+    return found
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ def rebuild(word: str, path: Path, params: Path) -> Iterator[Rebuilt]:
         if record["command"][1:2] == [word] and any(Path(name).is_relative_to(path) for name in record["outputs"])
     ]
     if not records:
-        raise FoggyError(f"{path}: no run record of foggy {word} speaks of it. Steps are {', '.join(OPTIONS)}.")
+        raise FoggyError(f"{path}: no run record of foggy {word} speaks of it. Steps are {', '.join(options())}.")
     SCRATCH.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rebuild-", dir=SCRATCH) as name:
         scratch = Path(name)
@@ -82,7 +85,7 @@ def _again(record: dict[str, Any], word: str, scratch: Path, params: Path) -> Re
     if (
         not plain
         or command[:2] != ["foggy", word]
-        or any(text.startswith("-") and text not in OPTIONS[word] for text in command[2:])
+        or any(text.startswith("-") and text not in options()[word] for text in command[2:])
     ):
         raise FoggyError(f"run record of {next(iter(record['outputs']))}: {command} is no job of foggy {word}; not run")
     own = Path(RESULTS) / word
@@ -99,19 +102,19 @@ def _again(record: dict[str, Any], word: str, scratch: Path, params: Path) -> Re
         raise FoggyError(f"{' '.join(command)}: cannot be done again: {result.stderr.strip()}")
     outputs = list(record["outputs"])
     different = [name for name in outputs if not Path(name).is_file() or sha256(name) != sha256(scratch / name)]
-    return Rebuilt(" ".join(command), len(outputs), different, list(_circumstances(record, word)))
+    return Rebuilt(" ".join(command), len(outputs), different, list(_circumstances(record)))
 
 
-def _circumstances(record: dict[str, Any], word: str) -> Iterator[str]:
+def _circumstances(record: dict[str, Any]) -> Iterator[str]:
     """What decided bytes when the record was written and is otherwise now."""
     before, now = record.get("instructions", {}), instructions()
     for key in sorted({*before, *now}):
         if before.get(key) != now.get(key):
             yield f"instruction set: {key} was {_change(before.get(key), now.get(key))}"
-    before, now = record.get("versions", {}), versions(word)
-    for name in sorted({*before, *now}):
-        if before.get(name) != now.get(name):
-            yield f"{name} was {before.get(name, 'not used')}, is {now.get(name, 'not used')}"
+    before = record.get("versions", {})
+    for name, version in versions_now(before).items():
+        if before[name] != version:
+            yield f"{name} was {before[name]}, is {version}"
     changed = about(record)["code_changed"]
     if changed:
         yield f"code changed since: {', '.join(changed)}"

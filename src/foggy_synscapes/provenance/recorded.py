@@ -25,13 +25,17 @@ def without_folders(params: Params) -> dict[str, Any]:
     values = params.model_dump(mode="json", by_alias=True)
     roots = values["scenes"]["roots"]
     roots.update({name: REAL for name, folder in roots.items() if folder != STAND_IN})
-    for network in ("refinenet", "bisenet"):
-        if values["train"][network]["weights"] != NO_WEIGHTS:
-            values["train"][network]["weights"] = IMPORTED
+    for settings in filter(_has_weights, values["train"].values()):
+        settings["weights"] = IMPORTED if settings["weights"] != NO_WEIGHTS else NO_WEIGHTS
     for row in filter(None, values["train"]["rows"].values()):
         for start in row["start"].values():
             start["weights"] = IMPORTED if start["weights"] != NO_WEIGHTS else NO_WEIGHTS
     return values
+
+
+def _has_weights(section: object) -> bool:
+    """Whether a part of the section `train` is the settings of a network."""
+    return isinstance(section, dict) and "weights" in section
 
 
 def select(values: dict[str, Any], *keys: str) -> dict[str, Any]:
@@ -42,7 +46,8 @@ def select(values: dict[str, Any], *keys: str) -> dict[str, Any]:
     """
     chosen: dict[str, Any] = {}
     for key in keys:
-        source, target = values, chosen
+        source: Any = values
+        target = chosen
         *outer, last = key.split(".")
         for part in outer:
             source, target = source[part], target.setdefault(part, {})

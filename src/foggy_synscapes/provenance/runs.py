@@ -1,13 +1,12 @@
 """Run records: beside its outputs, a step writes what made them, so that each number can be traced back.
 
-A record holds the command, the params it read, SHA-256 of its inputs, sources and outputs, versions, and the
-instruction set. It holds no time, host or absolute path, so that equal runs write equal records.
+A record holds the command, the params it read, SHA-256 of its inputs and outputs, digests of its code, versions, and
+the instruction set. It holds no time, host or absolute path, so that equal runs write equal records.
 """
 
 import json
 import platform
-from collections.abc import Iterable, Mapping
-from importlib import metadata
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,56 +15,65 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.names import check_name
+from foggy_synscapes.jobs import Job
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.instructions import instructions
+from foggy_synscapes.provenance.recorded import recorded
+from foggy_synscapes.results import RESULTS
+from foggy_synscapes.steps import REGISTRIES
 
-# Distributions whose name is not the name that is imported.
-DISTRIBUTIONS = {"PIL": "pillow", "yaml": "pyyaml", "OpenImageIO": "OpenImageIO"}
-RESULTS = "results"
 
+class Run:
+    """One run of a job, from its start to its record: code, params and inputs are hashed when it starts.
 
-def write_run(
-    path: str | Path,
-    *,
-    command: list[str],
-    params: dict[str, Any],
-    inputs: Mapping[str, str],
-    outputs: Iterable[str | Path],
-    processes: int = 1,
-    measured: Mapping[str, str] | None = None,
-) -> None:
-    """Write the record of one step; `command` starts with `foggy` and the step's word.
+    job : what is run; read : the files that it really reads, where some of the job's may be missing
 
-    `params` holds the values that the step read, without folders of the machine. `inputs` are SHA-256 by file, from
-    `checked_inputs`; `outputs` are files. Both are named relative to the working directory. `processes` shared
-    the arithmetic; `measured` is what the step chose by measuring, where its params say so.
+    Attributes
+    ----------
+    inputs : SHA-256 by file; params : values of the job's keys; code, libraries : see `source_digest`
+
+    Raises FoggyError as `checked_inputs` does.
     """
-    word = command[1]
-    record = {
-        "command": command,
-        "params": params,
-        "inputs": dict(inputs),
-        "outputs": {Path(path).as_posix(): sha256(path) for path in sorted(outputs, key=str)},
-        "code": {name: sha256(source_digest.FOLDER / name) for name in source_digest.sources(word)},
-        "versions": versions(word),
-        "instructions": instructions(),
-        "processes": processes,
-    }
-    if measured:
-        record["measured"] = dict(measured)
-    write_text(path, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+
+    def __init__(self, job: Job, read: Iterable[str | Path] | None = None) -> None:
+        self.job = job
+        self.code, self.libraries = code_of(job)
+        self.params = recorded(job.params, *job.keys())
+        self.inputs = checked_inputs(job.read() if read is None else read)
+
+    def identity(self) -> dict[str, Any]:
+        """All that decides the bytes of the outputs, but for the machine: to tell whether half a job may go on."""
+        versions = {"python": platform.python_version(), **self.libraries}
+        return {"code": self.code, "versions": versions, "params": self.params, "inputs": self.inputs}
+
+    def finish(self, outputs: Iterable[str | Path] | None = None, processes: int = 1) -> None:
+        """Write the record beside the outputs: all of the job's, or those that are named.
+
+        processes : number of processes that shared the arithmetic
+        """
+        written = self.job.outputs() if outputs is None else outputs
+        made_by = self.identity()
+        record = {
+            **made_by,
+            "versions": {**made_by["versions"], "foggy-synscapes": __version__},
+            "command": self.job.command,
+            "outputs": {Path(path).as_posix(): sha256(path) for path in sorted(written, key=str)},
+            "instructions": instructions(),
+            "processes": processes,
+        }
+        text = json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False)
+        write_text(self.job.output("record"), text + "\n")
 
 
-def versions(word: str) -> dict[str, str]:
-    """Versions of Python, of this package and of the libraries that a command's sources import."""
-    found = {"python": platform.python_version(), "foggy-synscapes": __version__}
-    for name in source_digest.libraries(word):
-        distribution = DISTRIBUTIONS.get(name, name)
-        try:
-            found[distribution] = metadata.version(distribution)
-        except metadata.PackageNotFoundError:
-            found[distribution] = "not installed"
-    return found
+def code_of(job: Job) -> tuple[dict[str, str], dict[str, str]]:
+    """Digests by module of a job's code, and the versions of its libraries."""
+    return source_digest.code(job.step.word, tuple(job.code()), REGISTRIES)
+
+
+def versions_now(names: Iterable[str]) -> dict[str, str]:
+    """Today's versions of what a record names: Python, this package and libraries."""
+    own = {"python": platform.python_version(), "foggy-synscapes": __version__}
+    return {name: own.get(name) or source_digest.version(name) for name in names}
 
 
 def checked_inputs(paths: Iterable[str | Path]) -> dict[str, str]:

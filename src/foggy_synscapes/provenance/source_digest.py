@@ -1,76 +1,169 @@
-"""Which source files a command runs: its module and everything of this package that this module imports.
+"""What counts of the code of a job: the meaning of the modules that it runs, and the versions of its libraries.
 
-Both engines list these files as inputs, so that an edit re-runs what it can change and nothing else.
-The files are parsed, not imported: imports inside functions count too.
+A module counts by its syntax tree without docstrings, comments and layout. Counted are the module of the job's word,
+the registered entries that it uses (a network, a dataset, a figure), and what these import. The chassis does not count:
+what it decides reaches a job by declared values, and a new key of a figure must train no network.
 """
 
 import ast
+import hashlib
 import sys
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 
-PACKAGE = "foggy_synscapes"
-CHECKED = {("stages/train.py", "frames"), ("stages/train.py", "frames.recipes")}
-"""Imports whose edit re-runs nothing here: a recipe holds the hash of the pixels that have to come out."""
+from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, plugin_files
+
+CHASSIS: tuple[str, ...] = ("cli", "errors", "jobs", "params", "provenance", "registry", "results", "schema", "steps")
+CHASSIS += ("io.lock", "io.progress")
+"""Modules and packages, below that of the project, whose code is no part of what a job computes."""
+CHECKED = ("frames.compositing",)
+"""Modules whose results are compared with a recorded hash, so that their code cannot change any."""
+NOT_COMPUTING = {"pydantic", "tqdm", "yaml"}
+"""Libraries that check params, read YAML and draw progress bars."""
+DISTRIBUTIONS = {"PIL": "pillow", "sklearn": "scikit-learn"}
+"""Distributions whose name is not the name that is imported."""
 FOLDER = Path(__file__).resolve().parents[1]
 
 
-def sources(word: str) -> list[str]:
-    """Source files of a command, relative to the package's folder, sorted; e.g. `stages/filter.py`.
+def code(word: str, entries: tuple[str, ...], registries: dict[str, Registry]) -> tuple[dict[str, str], dict[str, str]]:
+    """What counts of the code of a job: digest by module, e.g. `stages.filter`, and version by library; both sorted.
 
-    The tables of numbers that lie beside a package's code belong to it.
+    word : the job's command; entries : registered entries that it uses, as REGISTRY.NAME
+
+    Raises UnknownEntry if an entry is not registered.
     """
-    files = _reach(f"stages.{word}")
-    packages = {(FOLDER / file).parent for file in files if file.endswith("__init__.py")}
-    data = {path.relative_to(FOLDER).as_posix() for package in packages for path in package.glob("*.csv")}
-    return sorted(files | data)
+    starts = [FOLDER / "stages" / f"{word}.py"]
+    starts += [registries[entry.partition(".")[0]].file(entry.partition(".")[2]) for entry in entries]
+    files = _reach(tuple(starts), tuple(plugin_files()))
+    digests = {_name(path): _digest(path) for path in files}
+    # Numbers and templates beside a package's code belong to it.
+    for folder in {path.parent for path in files if path.name == "__init__.py"}:
+        for path in (*folder.glob("*.csv"), *folder.glob("templates/*")):
+            digests[path.relative_to(FOLDER).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+    imported = {name.partition(".")[0] for path in files for name in _imports(path, _stamp(path))}
+    imported -= {PACKAGE, PLUGINS, *sys.stdlib_module_names, *NOT_COMPUTING}
+    versions = {DISTRIBUTIONS.get(name, name): version(DISTRIBUTIONS.get(name, name)) for name in imported}
+    return dict(sorted(digests.items())), dict(sorted(versions.items()))
 
 
-def libraries(word: str) -> list[str]:
-    """Top-level names of the third-party modules that a command's sources import, sorted."""
-    names = set().union(*(_imports(file)[1] for file in _reach(f"stages.{word}")))
-    return sorted(names - set(sys.stdlib_module_names) - {PACKAGE})
+def now(name: str) -> str | None:
+    """Today's digest of what a record names as code; None where it is gone."""
+    if "/" in name:
+        path = FOLDER / name
+        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    package = PACKAGE if name.partition(".")[0] != PLUGINS else ""
+    found = [path for path in _files(f"{package}.{name}".lstrip(".")) if _name(path) == name]
+    return _digest(found[0]) if found else None
 
 
 @cache
-def _reach(start: str) -> frozenset[str]:
-    seen: set[str] = set()
-    parts = start.split(".")
-    waiting = [".".join(parts[:end]) for end in range(len(parts) + 1)]
+def version(distribution: str) -> str:
+    """Installed version of a distribution, without the local part that names a build of it."""
+    try:
+        return metadata.version(distribution).partition("+")[0]
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def identity(*found: dict[str, str]) -> str:
+    """One SHA-256 for all that counts of a job's code."""
+    lines = [f"{name} {value}\n" for values in found for name, value in sorted(values.items())]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _reach(starts: tuple[Path, ...], _plugins: tuple[Path, ...]) -> list[Path]:
+    """Source files of the starts and of all that they import, without the chassis."""
+    seen: dict[Path, None] = {}
+    waiting = list(starts)
     while waiting:
-        file = _file(waiting.pop())
-        if file is not None and file not in seen:
-            seen.add(file)
-            waiting += sorted(module for module in _imports(file)[0] if (file, module) not in CHECKED)
-    return frozenset(seen)
+        path = waiting.pop()
+        if path in seen or _is_chassis(path):
+            continue
+        seen[path] = None
+        waiting += [found for name in _imports(path, _stamp(path)) for found in _files(name)]
+    return sorted(seen)
 
 
-def _file(module: str) -> str | None:
-    """Source file of a module named relative to the package, or None where the name is not a module."""
-    base = FOLDER.joinpath(*module.split(".")) if module else FOLDER
-    for path in (base / "__init__.py", base.with_suffix(".py")):
-        if path.is_file():
-            return path.relative_to(FOLDER).as_posix()
-    return None
+def _is_chassis(path: Path) -> bool:
+    name = _name(path)
+    return name == "" or any(name == part or name.startswith(f"{part}.") for part in CHASSIS + CHECKED)
+
+
+def _name(path: Path) -> str:
+    """Dotted name below the project's package, or of a plugin."""
+    if not path.is_relative_to(FOLDER):
+        return f"{PLUGINS}.{path.stem}"
+    parts = path.relative_to(FOLDER).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _files(name: str) -> list[Path]:
+    """Source files of an imported name and of the packages around it; none for what is not of this project."""
+    top, _, rest = name.partition(".")
+    if top == PLUGINS:
+        return [path for path in plugin_files() if path.stem == rest.partition(".")[0]]
+    if top != PACKAGE:
+        return []
+    parts, found = rest.split(".") if rest else [], []
+    for end in range(1, len(parts) + 1):
+        base = FOLDER.joinpath(*parts[:end])
+        found += [path for path in (base / "__init__.py", base.with_suffix(".py")) if path.is_file()]
+    return found
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
 
 
 @cache
-def _imports(file: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Modules of this package (relative names, with the packages around them) and other top-level names."""
-    own, other = set(), set()
-    for node in ast.walk(ast.parse((FOLDER / file).read_text(encoding="utf-8"))):
+def _imports(path: Path, _changed: tuple[int, int]) -> frozenset[str]:
+    """Dotted names that a file imports, inside functions too; `from a import b` counts as a and a.b."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            # `from package import name`: the name may be a module or something inside one.
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)] if node.module else []
-        else:
-            continue
-        for name in names:
-            top, _, rest = name.partition(".")
-            if top == PACKAGE:
-                parts = rest.split(".") if rest else []
-                own.update(".".join(parts[:end]) for end in range(len(parts) + 1))
-            else:
-                other.add(top)
-    return frozenset(own), frozenset(other)
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return frozenset(found)
+
+
+def _digest(path: Path) -> str:
+    return _digest_at(path, _stamp(path))
+
+
+@cache
+def _digest_at(path: Path, _changed: tuple[int, int]) -> str:
+    return meaning(path.read_bytes())
+
+
+def meaning(source: bytes) -> str:
+    """SHA-256 of a module's syntax tree without docstrings: comments, line breaks and brackets do not count.
+
+    >>> meaning(b"def f(x):\\n    'Twice.'\\n    return 2 * x  # fast") == meaning(b"def f(x): return (2 * x)")
+    True
+    >>> meaning(b"x = 1") == meaning(b"x = 1.0")
+    False
+    """
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [part for part in node.body if not _is_text(part)]
+    return hashlib.sha256(_dump(tree).encode()).hexdigest()
+
+
+def _is_text(node: ast.stmt) -> bool:
+    """A docstring, also one that explains the constant before it."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+def _dump(node: object) -> str:
+    """Text of a syntax tree that is the same for every version of Python: empty fields are left out."""
+    if isinstance(node, ast.AST):
+        fields = ((name, getattr(node, name, None)) for name in node._fields)
+        inner = ",".join(f"{name}={_dump(value)}" for name, value in fields if value not in (None, []))
+        return f"{type(node).__name__}({inner})"
+    if isinstance(node, list):
+        return f"[{','.join(map(_dump, node))}]"
+    return f"{type(node).__name__}:{node!r}"

@@ -4,8 +4,9 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
+from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.recorded import leaves
-from foggy_synscapes.provenance.tree import SHOWN, UNCHANGED, code_digest
+from foggy_synscapes.provenance.tree import SHOWN, UNCHANGED
 
 WIDTH = 160  # characters of params that are printed
 
@@ -36,7 +37,7 @@ def job_lines(node: dict[str, Any]) -> Iterator[str]:
     values = ", ".join(f"{key}={json.dumps(value, ensure_ascii=False)}" for key, value in leaves(node["params"]))
     yield f"params: {values if len(values) <= WIDTH else values[:WIDTH] + ' ... (--json has all)'}"
     changed = f"changed since: {_some(node['code_changed'])}" if node["code_changed"] else ""
-    yield f"code: {len(node['code'])} files  {code_digest(node['code'])[:12]}{_arrow(changed)}"
+    yield f"code: {len(node['code'])} modules  {source_digest.identity(node['code'])[:12]}{_arrow(changed)}"
 
 
 def raw_line(raw: dict[str, Any]) -> str:

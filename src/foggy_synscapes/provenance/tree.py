@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.check import RawState, dataset_of, is_index, raw_state
 from foggy_synscapes.provenance.runs import read_runs, state
@@ -112,18 +110,7 @@ def about(record: dict[str, Any]) -> dict[str, Any]:
     return {
         "params": record["params"],
         "code": record["code"],
-        "code_changed": [name for name, digest in record["code"].items() if _source(name) != digest],
+        "code_changed": [name for name, digest in record["code"].items() if source_digest.now(name) != digest],
         "versions": record["versions"],
         "instructions": record.get("instructions", {}),
     }
-
-
-def code_digest(code: dict[str, str]) -> str:
-    """One SHA-256 for all source files of a job."""
-    return sha256_bytes("".join(f"{name} {digest}\n" for name, digest in sorted(code.items())).encode())
-
-
-@cache
-def _source(name: str) -> str | None:
-    path = source_digest.FOLDER / name
-    return sha256(path) if path.is_file() else None

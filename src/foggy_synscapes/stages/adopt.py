@@ -8,8 +8,7 @@ import sys
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.params import load
+from foggy_synscapes.params import load, require_complete
 from foggy_synscapes.provenance.check import differences, stale_results
 
 HELP = (
@@ -45,10 +44,11 @@ def adopt(engine: str, params: Path = DEFAULT) -> None:
     absent = [name for name in ("Snakefile", "dvc.yaml", str(DEFAULT)) if not Path(name).is_file()]
     if absent:
         raise UsageError(f"no {', '.join(absent)} here. Run foggy adopt in the project's folder.")
-    if params != DEFAULT and read_yaml(params) != read_yaml(DEFAULT):
+    require_complete(DEFAULT)
+    if params != DEFAULT and load(params) != load(DEFAULT):
         raise UsageError(
             f"--params {params}: says something else than {DEFAULT}, the only one that DVC reads. Make them one: "
-            f"cp {params} {DEFAULT}"
+            f"foggy params --file {params} --out {DEFAULT}"
         )
     option = [] if params == DEFAULT else ["--configfile", str(params)]
     if engine == "snakemake":
@@ -72,6 +72,8 @@ def _from_snakemake(option: list[str]) -> None:
             f"Run snakemake --cores 2{_spelt(option)} first, then this again."
         )
     count = _verified()
+    # What code means is written for DVC alone; Snakemake computes it by itself.
+    _engine("foggy_synscapes", "code", "--params", str(DEFAULT))
     # -f: DVC asks about each changed stage otherwise; what it would ask is answered by the checks above.
     _engine("dvc", "commit", "--force", "--quiet")
     # DVC links files to its cache, which gives them new times; Snakemake would make again what is larger than 1 MB.

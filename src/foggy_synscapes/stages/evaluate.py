@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.datasets.index import expect, index_path, read_index
+from foggy_synscapes.datasets import DATASETS, test_sets
+from foggy_synscapes.datasets.index import expect, read_index
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
-from foggy_synscapes.datasets.test_sets import TEST_SETS, labelled_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
@@ -16,16 +16,15 @@ from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_shard
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.provenance.recorded import recorded
-from foggy_synscapes.provenance.runs import checked_inputs, write_run
+from foggy_synscapes.params import Params, load
+from foggy_synscapes.provenance.runs import Run
+from foggy_synscapes.results import root
 from foggy_synscapes.scoring.encoding import ENCODINGS
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
+from foggy_synscapes.steps import job
 
 HELP = "Score a model on a test set, or any PNG predictions against label maps (IoU in percent)."
-FOLDER = Path("results/evaluate")
-MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
 JOB = ("network", "row", "seed", "test_set")
 
 
@@ -45,7 +44,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job.add_argument("--network", help="e.g. bisenet")
     job.add_argument("--row", help="row of the tables, e.g. FS-498")
     job.add_argument("--seed", help="e.g. 0")
-    job.add_argument("--test-set", choices=TEST_SETS, help="test set")
+    job.add_argument("--test-set", help="test set")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -59,7 +58,10 @@ def run(args: argparse.Namespace) -> None:
         missing = [f"--{name.replace('_', '-')}" for name in JOB if getattr(args, name) is None]
         if missing:
             raise UsageError(f"{', '.join(missing)} missing beside {', '.join(given)}")
-        evaluate(load(args.params), args.network, args.row, args.seed, args.test_set)
+        params = load(args.params)
+        if args.test_set not in (known := test_sets()):
+            raise UsageError(f"--test-set {args.test_set}: there are {', '.join(known)}")
+        evaluate(params, args.network, args.row, args.seed, args.test_set)
         return
     if not (args.predictions and args.labels and args.out):
         raise UsageError("give --predictions, --labels and --out, or --network, --row, --seed and --test-set")
@@ -120,12 +122,13 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     from foggy_synscapes.networks.weights import load_model
 
     torch.set_num_threads(params.evaluate.threads)
-    source = Path(MODEL.format(network=network, row=row, seed=seed))
+    this = job(params, "evaluate", network=network, row=row, seed=seed, test_set=test_set)
+    source = this.input("model")
     if not source.is_file():
         raise FoggyError(
             f"{source}: missing. Train it first: foggy train --network {network} --row {row} --seed {seed}"
         )
-    inputs = checked_inputs([source, index_path(f"{test_set}/all")])
+    run = Run(this)
     try:
         model = load_model(source.read_bytes())
     except ValueError as error:
@@ -134,21 +137,14 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         raise FoggyError(
             f"{source}: predicts {model.config.classes} classes, expected the {len(CLASSES)} of Cityscapes"
         )
-    folder = FOLDER / test_set / network / row / f"seed-{seed}"
-    index, data = read_index(f"{test_set}/all"), root(params, test_set)
-    pairs = labelled_pairs(test_set, data, index, params.scenes.zurich_list)
+    index, data = read_index(this.input("index")), root(params, test_set)
+    pairs = DATASETS[test_set].tested(data, index, params.scenes)
     expect(index, [path for pair in pairs for path in pair], test_set)
     scores: dict[str, Any] = {}
     images = _predictions(model, data, index, pairs, scores)
-    write_shard(folder / "predictions.tar", progress(images, f"evaluate {test_set}", total=len(pairs)))
-    _write_scores(folder / "metrics.json", scores)
-    write_run(
-        folder / "run.json",
-        command=["foggy", "evaluate", "--network", network, "--row", row, "--seed", seed, "--test-set", test_set],
-        params=recorded(params, "evaluate.threads", "scenes.zurich_list"),
-        inputs=inputs,
-        outputs=[folder / "metrics.json", folder / "predictions.tar"],
-    )
+    write_shard(this.output("predictions"), progress(images, f"evaluate {test_set}", total=len(pairs)))
+    _write_scores(this.output("metrics"), scores)
+    run.finish()
     print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}")
 
 

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from foggy_synscapes.datasets.calibration import DATASETS, calibration_images
+from foggy_synscapes.datasets.calibration import calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.frames.recipes import composite
+from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
-from foggy_synscapes.params import load, root
+from foggy_synscapes.params import load
+from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.weights import Model
@@ -21,8 +22,6 @@ HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
     "that size out. Normalisation, padding and resizing are inside."
 )
-MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
-LIST = "results/subset/{row}/train.csv"
 JOB = ("network", "row", "seed")
 SIZES = ((128, 256), (75, 101))  # pixels of the images on which a graph is checked: whole strides, and not
 TOLERANCE = 1e-3  # of the largest logit: what sums in another order may differ by in float32
@@ -75,14 +74,14 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError(f"--images {args.images}: expected 1 or more")
     if args.calibrate and not args.int8:
         raise UsageError("--calibrate: only --int8 looks at images")
-    source = args.model or Path(MODEL.format(network=args.network, row=args.row, seed=args.seed))
+    source = args.model or run_file(MODEL, network=args.network, row=args.row, seed=args.seed)
     images = []
     if args.int8:
-        chosen = args.calibrate or (Path(LIST.format(row=args.row)) if args.row else None)
+        chosen = args.calibrate or (run_file(LIST, row=args.row) if args.row else None)
         if chosen is None:
             raise UsageError("--int8 with --model: name the images to calibrate on by --calibrate LIST")
         params = load(args.params)
-        reader = Reader({name: root(params, name) for name in DATASETS})
+        reader = Reader(roots(params), FOG)
         images = calibration_images(chosen, reader, args.images, composite)
     export(source, args.out, args.output, args.scale, images)
 

@@ -1,20 +1,23 @@
 """filter: one table of all frames with their metadata, and which of them are kept. Reads no pixel."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 
+import pandas as pd
+
 from foggy_synscapes.datasets import synscapes
-from foggy_synscapes.datasets.index import index_path, read_index
+from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import checked
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.params import FilterRule, Params, load, root
-from foggy_synscapes.provenance.recorded import recorded
-from foggy_synscapes.provenance.runs import checked_inputs, write_run
+from foggy_synscapes.params import FilterRule, Params, load
+from foggy_synscapes.provenance.runs import Run
+from foggy_synscapes.results import root
+from foggy_synscapes.steps import job
 
 HELP = "Keep frames by their metadata: one table of all frames, and the list of those kept."
-FOLDER = Path("results/filter")
 CAMERA = ("fx", "fy", "u0", "v0", "resx", "resy")
 
 
@@ -35,47 +38,41 @@ def filter(params: Params) -> None:
     FoggyError
         If a meta file is missing or lacks a key, or no frame is left.
     """
-    names = [f"synscapes/{shard}" for shard in params.scenes.shards]
-    inputs = checked_inputs(index_path(name) for name in names)
-    index, folder = read_index(*names), root(params, "synscapes")
+    run = Run(job(params, "filter"))
+    index, folder = read_index(*run.job.inputs("synscapes")), root(params, "synscapes")
     ids = sorted(int(Path(path).stem) for path in index if path.startswith("meta/"))
-    frames, kept = [], []
+    records = []
     for frame in progress(ids, "filter", unit="frame"):
         path = folder / synscapes.meta(frame)
-        meta = synscapes.read_meta(
-            path, check=lambda data, p=path, f=frame: checked(data, index[synscapes.meta(f)], str(p))
-        )
-        reason = "; ".join(filter_out(meta.scene, params.filter.rules))
-        camera = [getattr(meta.camera, name) for name in CAMERA]
-        frames.append([frame, *(meta.scene[key] for key in synscapes.SCENE_KEYS), *camera, int(not reason), reason])
-        if not reason:
-            kept.append([frame, *camera])
-    if not kept:
+        meta = synscapes.read_meta(path, partial(checked, expected=index[synscapes.meta(frame)], name=str(path)))
+        camera = {name: getattr(meta.camera, name) for name in CAMERA}
+        records.append({"id": frame, **{key: meta.scene[key] for key in synscapes.SCENE_KEYS}, **camera})
+    # Numbers stay as the metadata has them: 0 and 0.5 in one column are not 0.0 and 0.5.
+    frames = pd.DataFrame(records, columns=["id", *synscapes.SCENE_KEYS, *CAMERA], dtype=object)
+    found = reasons(frames, params.filter.rules)
+    frames = frames.assign(kept=found.eq("").astype(int), reason=found)
+    kept = frames.loc[frames["kept"].eq(1), ["id", *CAMERA]]
+    if kept.empty:
         raise FoggyError(f"filter.rules: none of {len(ids)} frames is left; loosen the rules")
-    outputs = [FOLDER / "frames.csv", FOLDER / "kept.csv"]
-    write_csv(outputs[0], ("id", *synscapes.SCENE_KEYS, *CAMERA, "kept", "reason"), frames)
-    write_csv(outputs[1], ("id", *CAMERA), kept)
-    write_run(
-        FOLDER / "run.json",
-        command=["foggy", "filter"],
-        params=recorded(params, "filter", "scenes.shards"),
-        inputs=inputs,
-        outputs=outputs,
-    )
+    for name, table in (("frames", frames), ("kept", kept)):
+        write_text(run.job.output(name), table.to_csv(index=False, na_rep="nan", lineterminator="\n"))
+    run.finish()
     print(f"filter: kept {len(kept)} of {len(ids)} frames")
 
 
-def filter_out(scene: dict[str, float], rules: list[FilterRule]) -> list[str]:
-    """Reasons against a frame, one for each rule that it breaks.
+def reasons(frames: pd.DataFrame, rules: list[FilterRule]) -> pd.Series:
+    """Why each frame is dropped: the rules that it breaks; empty for those that are kept.
 
-    >>> filter_out({"sky_contrast": 5.5}, [FilterRule(key="sky_contrast", maximum=5.0)])
-    ['sky_contrast 5.5 above 5']
+    >>> frames = pd.DataFrame({"sky_contrast": [5.5, 2.0]})
+    >>> list(reasons(frames, [FilterRule(key="sky_contrast", maximum=5.0)]))
+    ['sky_contrast 5.5 above 5', '']
     """
-    reasons = []
+    found = pd.Series("", index=frames.index, dtype=object)
     for rule in rules:
-        value = scene[rule.key]
-        if rule.minimum is not None and not value >= rule.minimum:
-            reasons.append(f"{rule.key} {value:g} below {rule.minimum:g}")
-        if rule.maximum is not None and not value <= rule.maximum:
-            reasons.append(f"{rule.key} {value:g} above {rule.maximum:g}")
-    return reasons
+        values = frames[rule.key]
+        for bound, holds, word in ((rule.minimum, values.ge, "below"), (rule.maximum, values.le, "above")):
+            if bound is not None:
+                said = [f"; {rule.key} {value:g} {word} {bound:g}" for value in values]
+                # What is no number breaks every rule.
+                found = found.where(holds(bound), found + said)
+    return found.str.removeprefix("; ")

@@ -1,79 +1,38 @@
-"""fog: the atmospheric light of frames, and foggy images at one or several densities."""
+"""fog: the airlight of a shard's frames, and the shard of foggy images at one beta; alone: fog on any frames."""
 
 import argparse
 import json
+import shutil
 import sys
-import time
-from contextlib import closing
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from foggy_synscapes import __version__
-from foggy_synscapes.datasets.synscapes import read_camera
+from foggy_synscapes.camera import Camera
+from foggy_synscapes.datasets import synscapes, uris
+from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.frames import folders, shards
-from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
-from foggy_synscapes.io import lock
-from foggy_synscapes.io.atomic import remove_leftovers, write_text
-from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.fog.airlight import Airlight
+from foggy_synscapes.frames import recipes, rendering, standalone
+from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.progress import progress
+from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
-from foggy_synscapes.params import beta_name, load
+from foggy_synscapes.jobs import Job
+from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance.runs import Run
+from foggy_synscapes.results import root
+from foggy_synscapes.steps import REGISTRIES, job
 
 HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
-SETTINGS = "settings.json"
-COLUMNS = ("id", "red", "green", "blue", "row", "column")
-SHOWN = 10  # errors and warnings printed in full
+COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
+ON_THE_FLY = "on_the_fly"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    frames = parser.add_argument_group("frames", "foggy images of any frames; no params file is needed")
-    frames.add_argument("--synscapes", type=Path, metavar="ROOT", help="folder with img/rgb, img/depth and meta")
-    frames.add_argument("--rgb", type=Path, metavar="DIR", help="or: folder of 8-bit RGB images")
-    frames.add_argument(
-        "--depth", type=Path, metavar="DIR", help="and of their depth: NAME.exr, channel Z, planar metres"
-    )
-    frames.add_argument(
-        "--beta", action="append", metavar="B", help="attenuation coefficient in 1/m, e.g. 0.005; several: --beta again"
-    )
-    frames.add_argument(
-        "--out", type=Path, metavar="DIR", help="where to write beta_B/foggy_img/*.png and airlight.csv"
-    )
-    frames.add_argument("--ids", metavar="LIST", help="frame numbers, e.g. 1-500 or 1,5,9-12 (default: all)")
-    frames.add_argument(
-        "--camera",
-        type=Path,
-        metavar="FILE",
-        help='one camera for all, JSON: {"camera": {"intrinsic": {...}}} with fx, fy, u0, v0, resx, resy in pixels',
-    )
-    frames.add_argument(
-        "--camera-in-depth",
-        action="store_true",
-        help="take each camera from the header of its depth file, as Synscapes has it",
-    )
-    frames.add_argument(
-        "--geometry",
-        choices=("paper", "exact"),
-        default="paper",
-        help="distance along the ray as the published code has it, or from fx, fy and pixel centres (default: paper)",
-    )
-    frames.add_argument("--transmittance", action="store_true", help="write 8-bit transmittance maps as well")
-    frames.add_argument(
-        "--blue-airlight",
-        choices=("keep", "drop", "grey"),
-        default="keep",
-        help="where the atmospheric light is that of a blue sky: keep it, leave the frame out, or make it grey",
-    )
-    frames.add_argument(
-        "--png-level",
-        type=int,
-        choices=range(4),
-        default=0,
-        help="0: codes for photographs, fastest (default); 1 to 3: effort of deflate",
-    )
-    frames.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: 1)")
-    frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
+    standalone.arguments(parser)
     job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it; with one --beta or --airlight")
     job.add_argument("--shard", metavar="NAME", help="shard of Synscapes, e.g. 0000")
     job.add_argument("--airlight", action="store_true", help="estimate the atmospheric light only")
@@ -83,78 +42,8 @@ def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
     if args.shard is not None or args.airlight:
         _run_job(args)
-        return
-    betas = _betas(args.beta or [])
-    if args.out is None or not betas:
-        raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
-    if args.jobs < 1:
-        raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
-    if args.camera and args.camera_in_depth:
-        raise UsageError("--camera and --camera-in-depth: give one of them")
-    if args.camera is not None:
-        read_camera(args.camera)  # one camera for all frames: its errors are said once
-    if args.synscapes is not None and args.rgb is None and args.depth is None:
-        frames = of_synscapes(args.synscapes, args.ids, args.camera, args.camera_in_depth)
-    elif args.synscapes is None and args.rgb and args.depth and (args.camera or args.camera_in_depth):
-        frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
     else:
-        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
-    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight
-    fog(frames, folders.Job(args.out, betas, *options), args.camera, jobs=args.jobs, keep_going=args.keep_going)
-
-
-def fog(
-    frames: list[Frame], job: folders.Job, camera: Path | None = None, jobs: int = 1, keep_going: bool = False
-) -> None:
-    """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
-
-    Images that an earlier run finished with the same settings are kept, if their inputs did not change since. Another
-    run may be at work on other frames in the same folder.
-
-    camera : file of the camera, where all frames have the same
-
-    Raises
-    ------
-    FoggyError
-        Naming the broken frames; with `keep_going` after all others are finished.
-    """
-    table = job.out / "airlight.csv"
-    with lock.of_folder(job.out):
-        own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
-        remove_leftovers(job.out, {*own, SETTINGS, table.name})
-        _check_settings(job, frames, camera)
-        rows = _read_airlight(table)
-    known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
-    found: dict[str, folders.Light] = {}
-    started, total = time.perf_counter(), folders.Done("")
-    broken: dict[str, str] = {}
-    blue: list[str] = []
-    with closing(folders.fog_frames(frames, job, jobs, known)) as results:
-        for done in progress(results, "fog", total=len(frames), unit="frame"):
-            if done.error:
-                broken[done.id] = done.error
-                if keep_going:
-                    continue
-                break
-            found[done.id] = done.light
-            blue += [done.id] if done.blue else []
-            total.add(done)
-    with lock.of_folder(job.out):
-        rows = {**_read_airlight(table), **found}
-        write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted({*rows} - {*broken}, key=order)])
-    for warning in _shortened(total.warnings):
-        print(f"warning: {warning}", file=sys.stderr)
-    if blue:
-        answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
-        print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
-    seconds = time.perf_counter() - started
-    print(
-        f"fog: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
-        f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
-    )
-    if broken:
-        rest = "" if keep_going else "; mend it and run the command again, or add --keep-going to finish the others"
-        raise FoggyError("\n".join(broken.values()) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
+        standalone.run(args, source_digest.identity(*source_digest.code("fog", (), REGISTRIES)))
 
 
 def _run_job(args: argparse.Namespace) -> None:
@@ -168,88 +57,106 @@ def _run_job(args: argparse.Namespace) -> None:
     if args.shard not in params.scenes.shards:
         raise UsageError(f"--shard {args.shard}: not in scenes.shards, which has {', '.join(params.scenes.shards)}")
     if args.airlight:
-        shards.airlight(params, args.shard)
+        airlight(params, args.shard)
     elif betas[0] in params.fog.betas:
-        shards.fog(params, betas[0], args.shard)
+        fog(params, betas[0], args.shard)
     else:
         raise UsageError(f"--beta {betas[0]}: not in fog.betas, which has {', '.join(params.fog.betas)}")
 
 
-def _betas(texts: list[str]) -> list[str]:
-    """Betas as folders spell them; 0 is the clear image."""
-    betas: dict[str, str] = {}
-    for text in texts:
-        try:
-            name = "0" if float(text) == 0 else beta_name(text)
-        except ValueError as error:
-            reason = str(error) if "beta" in str(error) else f"beta {text!r} is not a number of 1/m, e.g. 0.005"
-            raise UsageError(f"--beta: {reason}") from None
-        if name in betas:
-            raise UsageError(f"--beta {betas[name]} and --beta {text} name the same folder beta_{name}: give it once")
-        betas[name] = text
-    return list(betas)
+def airlight(params: Params, shard: str) -> None:
+    """Write the table of the airlight of a shard's frames, as it is to be used.
+
+    `blue_sky` is 1 where the image's own airlight is blue, and `treatment` then says what is done about it.
+
+    Raises FoggyError if an image is missing, damaged or not as indexed.
+    """
+    run = Run(job(params, "fog_airlight", shard=shard))
+    treatment, rows = params.fog.blue_airlight, []
+    rendering.keep_memory()
+    index, folder = read_index(run.job.input("index")), root(params, "synscapes")
+    frames = _frames(params, shard, run.job.input("kept"))
+    for frame in progress(frames, f"fog airlight {shard}", unit="frame"):
+        path = synscapes.rgb(frame)
+        image = read_rgb(rendering.read_indexed(folder, path, index), str(folder / path))
+        light, blue = rendering.airlight_of(image, treatment)
+        rows.append((frame, *light.levels, light.row, light.column, int(blue), treatment if blue else ""))
+    write_csv(run.job.output("airlight"), COLUMNS, rows)
+    run.finish()
+    count = sum(row[6] for row in rows)
+    print(f"fog: atmospheric light of {len(rows)} frames of shard {shard}; {count} blue, fog.blue_airlight {treatment}")
 
 
-def _origin(frames: list[Frame]) -> str:
-    """Tells the folders that frames are read from, without naming them."""
-    places = sorted({str(path.parent.resolve()) for frame in frames for path in (frame.rgb, frame.depth)})
-    return sha256_bytes("\n".join(places).encode())[:16]
+def fog(params: Params, beta: str, shard: str) -> None:
+    """Write the shard of foggy images at one beta, or of their recipes where `fog.render` says so, and its manifest.
+
+    Frames that an interrupted run of the same job finished are kept.
+
+    Raises FoggyError if a frame is missing, damaged, not as indexed, or cannot be fogged.
+    """
+    run = Run(job(params, "fog", beta=beta, shard=shard))
+    rendering.keep_memory()
+    finished = _finished(run)
+    dropped: list[int] = []
+    members = write_shard(run.job.output("shard"), _members(run.job, finished, dropped))
+    write_manifest(run.job.output("manifest"), members)
+    run.finish()
+    shutil.rmtree(finished)
+    left_out = f"; {len(dropped)} left out for their blue atmospheric light" if dropped else ""
+    print(f"fog: shard {shard} at beta {beta} / m{left_out}")
 
 
-def _camera(frames: list[Frame], camera: Path | None) -> str:
-    """Where cameras come from; one camera for all counts with its content."""
-    if camera is not None:
-        return f"one file, {sha256(camera)[:16]}"
-    return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"
+def _members(job: Job, finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
+    """File names and contents of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
+    params, beta, shard, kept = job.params, job.values["beta"], job.values["shard"], job.input("kept")
+    lights = {int(row["id"]): row for row in read_csv(job.input("airlight"), COLUMNS)}
+    index, folder = read_index(job.input("index")), root(params, "synscapes")
+    for frame, camera in progress(_frames(params, shard, kept).items(), f"fog {beta} {shard}", unit="frame"):
+        if frame not in lights:
+            raise FoggyError(f"{job.input('airlight')}: no frame {frame}. Run foggy fog --airlight --shard {shard}")
+        if lights[frame]["treatment"] == rendering.DROP:
+            dropped.append(frame)
+            continue
+        as_recipe, image = params.fog.render == ON_THE_FLY, synscapes.foggy_name(frame, beta)
+        name = uris.recipe(image) if as_recipe else image
+        if not ((finished / name).is_file() if as_recipe else is_whole_png(finished / name)):
+            light = _light(lights[frame])
+            clear = rendering.read_frame(folder, frame, index)
+            rays = rendering.rays_of(clear, camera, f"{kept}, frame {frame}", params.fog.geometry)
+            if as_recipe:
+                data = recipes.write(clear, camera, params.fog, light, beta, frame, index)
+            else:
+                (data,) = rendering.foggy_pngs(params.fog.model, clear, rays, light, [beta], params.fog.png_level)
+            write_bytes(finished / name, data)
+            for warning in clear.warnings(light):
+                print(f"warning: {warning}", file=sys.stderr)
+        yield name, (finished / name).read_bytes()
 
 
-def _check_settings(job: folders.Job, frames: list[Frame], camera: Path | None) -> None:
-    """Keep one folder from holding images of different frames, settings or versions of the code."""
-    code = "".join(sha256(source_digest.FOLDER / name) for name in source_digest.sources("fog"))
-    settings = {
-        "frames": _origin(frames),
-        "camera": _camera(frames, camera),
-        "code": sha256_bytes(code.encode())[:16],
-        "geometry": job.geometry,
-        "blue_airlight": job.treatment,
-        "png_level": job.level,
-        "foggy_synscapes": __version__,
-    }
-    path = job.out / SETTINGS
-    if not path.is_file():
-        if any(job.out.glob("beta_*/*/[!.]*")):
-            raise FoggyError(
-                f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
-                "delete the folder."
-            )
-        write_text(path, json.dumps(settings, indent=1) + "\n")
-        return
-    try:
-        before = dict(json.loads(path.read_text(encoding="utf-8")))
-    except (ValueError, TypeError, RecursionError) as error:
-        raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
-    if before != settings:
-        keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
-        differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
+def _light(row: Mapping[str, str]) -> Airlight:
+    return Airlight(*(int(row[column]) for column in ("red", "green", "blue", "row", "column")))
+
+
+def _frames(params: Params, shard: str, kept: Path) -> dict[int, Camera]:
+    """Cameras of the frames of a shard that fog.frames asks for: the first and the last kept ones."""
+    rows, ends = read_csv(kept, ("id", "fx", "fy", "u0", "v0", "resx", "resy")), params.fog.frames
+    if ends.first + ends.last > len(rows):
         raise FoggyError(
-            f"{path}: the folder holds images of another kind: {differences} "
-            "(frames, camera: where they come from). Choose another --out, or delete the folder."
+            f"fog.frames: asks for the first {ends.first} and the last {ends.last} kept frames, "
+            f"but the filter kept {len(rows)}. Ask for fewer, loosen filter.rules, or add frames."
         )
+    asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
+    here = synscapes.shard_frames(shard, params.scenes.shard_frames)
+    return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
 
 
-def _read_airlight(table: Path) -> dict[str, folders.Light]:
-    if not table.is_file():
-        return {}
-    rows = read_csv(table, COLUMNS)
-    try:
-        return {row["id"]: tuple(int(row[column]) for column in COLUMNS[1:]) for row in rows}
-    except ValueError as error:
-        raise FoggyError(f"{table}: {error}. Delete it; it is made again.") from error
-
-
-def _older(path: Path, table: Path) -> bool:
-    return path.is_file() and folders.changed(path) <= table.stat().st_mtime_ns
-
-
-def _shortened(lines: list[str]) -> list[str]:
-    return lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more"]
+def _finished(run: Run) -> Path:
+    """Folder of the images that an interrupted run of this very job finished; emptied where any input has changed."""
+    shard = run.job.output("shard")
+    folder = shard.parent / f".{shard.stem}"
+    note, text = folder / "job.json", json.dumps(run.identity(), indent=1)
+    if not note.is_file() or note.read_text(encoding="utf-8") != text:
+        if folder.is_dir():
+            shutil.rmtree(folder)
+        write_text(note, text)
+    return folder

@@ -1,18 +1,17 @@
 """stability: fog, losses and scores at the extremes of their inputs, each against an answer known beforehand."""
 
 import argparse
-from pathlib import Path
+
+import pandas as pd
 
 from foggy_synscapes.io.atomic import write_bytes, write_text
-from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance.recorded import recorded
-from foggy_synscapes.provenance.runs import write_run
+from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.stability import fog_checks, other_checks
 from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
+from foggy_synscapes.steps import job
 
 HELP = "Check fog, airlight, learning rate, losses and scores at the extremes, in each number format."
-FOLDER = Path("results/stability")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,25 +27,20 @@ def stability(params: Params) -> list[Check]:
     """Write the table (CSV, LaTeX) and the plot (PNG, PDF) to results/stability, and return the checks."""
     from foggy_synscapes.figures.errors import errors
     from foggy_synscapes.figures.style import render
-    from foggy_synscapes.tables.long import long_table
+    from foggy_synscapes.tables.formats import long_latex
 
+    run = Run(job(params, "stability"))
     digits = params.stability.digits
     checks = [*fog_checks.checks(digits), *other_checks.checks()]
-    outputs = [FOLDER / f"stability.{ending}" for ending in ("csv", "tex", "png", "pdf")]
-    rows = [check.row() for check in checks]
-    write_csv(outputs[0], COLUMNS, rows)
+    outputs = run.job.outputs("csv", "tex", "png", "pdf")
+    table = pd.DataFrame([check.row() for check in checks], columns=COLUMNS)
+    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
     caption = f"Numbers at the extremes, against mpmath at {digits} digits."
-    write_text(outputs[1], long_table(COLUMNS, rows, caption, "table:stability"))
+    write_text(outputs[1], long_latex(table, caption, "table:stability"))
     figure = errors(fog_checks.curves(digits))
     for path in outputs[2:]:
         write_bytes(path, render(figure, path.suffix[1:]))
-    write_run(
-        FOLDER / "run.json",
-        command=["foggy", "stability"],
-        params=recorded(params, "stability"),
-        inputs={},
-        outputs=outputs,
-    )
+    run.finish()
     failed = sum(check.verdict == FAILS for check in checks)
     print(
         f"stability: {len(checks)} checks; {failed} show where a plain formula or a short number format fails; "

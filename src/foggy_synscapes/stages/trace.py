@@ -5,21 +5,21 @@ import json
 import re
 from pathlib import Path
 
-from foggy_synscapes.datasets.test_sets import TEST_SETS
+from foggy_synscapes.datasets import test_sets
 from foggy_synscapes.errors import UsageError
-from foggy_synscapes.params import load, root
+from foggy_synscapes.params import load
 from foggy_synscapes.provenance.cell import trace_cell
 from foggy_synscapes.provenance.crate import write_crate
 from foggy_synscapes.provenance.text import cell_lines, lines
 from foggy_synscapes.provenance.tree import Lineage
+from foggy_synscapes.results import roots
 
 HELP = "Show, as a tree, the commands and files that a result was made from, and what on disk no longer matches."
-DATASETS = ("synscapes", "cityscapes", "foggy_cityscapes", "foggy_driving", "foggy_zurich")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    parser.add_argument("path", type=Path, nargs="?", help="a result, e.g. results/tables/foggy_zurich.tex")
+    parser.add_argument("path", type=Path, nargs="?", help="a result, e.g. results/tables/foggy_driving.tex")
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
     parser.add_argument("--depth", type=int, metavar="N", help="jobs to go back (default: down to the raw data)")
     parser.add_argument(
@@ -37,13 +37,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--date", default="1970-01-01", help="with --crate: its date of publication (default: 1970-01-01, for unknown)"
     )
-    parser.add_argument("--test-set", choices=TEST_SETS, help="with --cell: whose table (default: foggy_zurich)")
+    parser.add_argument(
+        "--test-set", metavar="NAME", help="with --cell: whose table (default: the first of evaluate.test_sets)"
+    )
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the command."""
     if (args.path is None) == (args.cell is None):
-        raise UsageError("give a result, e.g. results/tables/foggy_zurich.tex, or --cell NETWORK ROW SCORE")
+        raise UsageError("give a result, e.g. results/tables/foggy_driving.tex, or --cell NETWORK ROW SCORE")
     if args.cell is None and args.test_set is not None:
         raise UsageError("--test-set belongs to --cell")
     if args.depth is not None and (args.depth < 0 or args.cell is not None):
@@ -53,9 +55,11 @@ def run(args: argparse.Namespace) -> None:
     if re.fullmatch(r"[0-9]{4}-[0-9]{2}-[0-9]{2}", args.date) is None:
         raise UsageError(f"--date {args.date}: expected year, month and day, e.g. 2026-11-24")
     params = load(args.params)
-    lineage = Lineage({name: root(params, name) for name in DATASETS})
+    if args.test_set not in (None, *test_sets()):
+        raise UsageError(f"--test-set {args.test_set}: there are {', '.join(test_sets())}")
+    lineage = Lineage(roots(params))
     if args.cell is not None:
-        cell = trace_cell(lineage, args.test_set or "foggy_zurich", *args.cell)
+        cell = trace_cell(lineage, args.test_set or params.evaluate.test_sets[0], *args.cell)
         print(json.dumps(cell, indent=1) if args.json else "\n".join(cell_lines(cell)))
         return
     if args.crate is not None:

@@ -1,27 +1,27 @@
 """tradeoff: what cheaper arithmetic saves and what it changes, for fog and for trained networks."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.datasets import synscapes
-from foggy_synscapes.datasets.calibration import DATASETS, calibration_images
-from foggy_synscapes.datasets.index import expect, index_path, read_index
+from foggy_synscapes.datasets import DATASETS, synscapes
+from foggy_synscapes.datasets.calibration import calibration_images
+from foggy_synscapes.datasets.index import expect, read_index
 from foggy_synscapes.datasets.pairs import PairDataset
-from foggy_synscapes.datasets.scores import read_scores, scores_path
-from foggy_synscapes.datasets.test_sets import labelled_pairs
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.frames.recipes import composite
-from foggy_synscapes.frames.shards import KEPT, read_frame
+from foggy_synscapes.frames.compositing import composite
+from foggy_synscapes.frames.rendering import read_frame
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_ids, read_rgb
-from foggy_synscapes.io.tables import read_csv, write_csv
-from foggy_synscapes.params import Params, load, root
-from foggy_synscapes.provenance.recorded import recorded
-from foggy_synscapes.provenance.runs import checked_inputs, write_run
+from foggy_synscapes.io.tables import read_csv
+from foggy_synscapes.jobs import Job
+from foggy_synscapes.params import Params, load
+from foggy_synscapes.provenance.runs import Run
+from foggy_synscapes.results import FOG, METRICS, root, roots, run_file
+from foggy_synscapes.scoring.metrics_file import read_scores
+from foggy_synscapes.steps import job
 from foggy_synscapes.tradeoff import fog
 
 if TYPE_CHECKING:
@@ -30,10 +30,7 @@ if TYPE_CHECKING:
     from foggy_synscapes.tradeoff.training import Cost
 
 HELP = "Measure ways of computing fog and networks: CPU time against what changes. Its times differ run by run."
-FOLDER = Path("results/tradeoff")
 PARTS = ("fog", "networks")
-MODEL = "results/train/{network}/{row}/seed-{seed}/model.safetensors"
-LIST = "results/subset/{row}/train.csv"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,110 +57,98 @@ def tradeoff(params: Params, part: str) -> None:
 def _fog(params: Params) -> None:
     from foggy_synscapes.figures.pareto import pareto
     from foggy_synscapes.figures.style import render
-    from foggy_synscapes.tables.long import long_table
+    from foggy_synscapes.tables.formats import long_latex
 
-    inputs: dict[str, str] = {}
-    frames = _frames(params, inputs)
+    run = Run(job(params, "tradeoff_fog"))
+    frames = _frames(run.job)
     betas = params.tradeoff.betas
     scores = fog.measure(frames, [float(beta) for beta in betas], params.tradeoff.repeats)
     front = fog.pareto_front(scores)
-    outputs = [FOLDER / f"fog.{ending}" for ending in ("csv", "tex", "md", "png", "pdf")]
-    rows = [fog.row(score, score.variant.name in front) for score in scores]
-    write_csv(outputs[0], fog.COLUMNS, rows)
+    outputs = run.job.outputs("csv", "tex", "md", "png", "pdf")
+    table = fog.table(scores, front)
+    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
     height, width = frames[0][1].shape
     what = f"{len(betas)} betas, {len(frames)} images of {width} x {height} pixels"
     caption = f"Fog arithmetic: CPU time per image ({what}) and change against float64, in levels of 8 bits."
-    write_text(outputs[1], long_table(fog.COLUMNS, rows, caption, "table:tradeoff-fog"))
+    write_text(outputs[1], long_latex(table, caption, "table:tradeoff-fog"))
     write_text(outputs[2], fog.paragraph(scores, what) + "\n")
     points = [(score.variant.name, score.cpu_ms, score.mean) for score in scores if score.cpu_ms is not None]
     figure = pareto(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
     for path in outputs[3:]:
         write_bytes(path, render(figure, path.suffix[1:]))
-    keys = ("tradeoff.betas", "tradeoff.frames", "tradeoff.repeats", "scenes.roots.synscapes", "scenes.shards")
-    _record(params, "fog", keys, inputs, outputs)
+    run.finish()
     print(f"tradeoff fog: {len(scores)} variants; {outputs[2]}")
 
 
 def _networks(params: Params) -> None:
     from foggy_synscapes.figures.front import front
     from foggy_synscapes.figures.style import render
-    from foggy_synscapes.tables.long import long_table, pipe_table
-    from foggy_synscapes.tradeoff import networks, training
-    from foggy_synscapes.tradeoff import text as words
+    from foggy_synscapes.tables.formats import long_latex, long_markdown
+    from foggy_synscapes.tradeoff import networks, text, training
 
     settings, seed = params.tradeoff, params.train.seeds[0]
-    models = {name: Path(MODEL.format(network=name, row=settings.row, seed=seed)) for name in params.train.networks}
-    lists = [Path(LIST.format(row=row)) for row in dict.fromkeys([settings.row, *params.subset.pure])]
-    inputs = checked_inputs([*models.values(), *lists, index_path(f"{settings.test_set}/all")])
-    reader = Reader({name: root(params, name) for name in DATASETS})
-    calibration = calibration_images(lists[0], reader, settings.calibration, composite)
-    samples = _samples(params)
+    this = job(params, "tradeoff_networks")
+    # What lists and shards hold is vouched for by the lists; of runs that were not scored there is no score.
+    shards, scored = set(this.inputs("shards")), set(this.inputs("metrics"))
+    run = Run(this, [path for path in this.read() if path not in shards and (path not in scored or path.is_file())])
+    models = dict(zip(params.train.networks, this.inputs("models"), strict=True))
+    lists = dict(zip([settings.row, *params.subset.kinds()["pure"]], this.inputs("lists"), strict=True))
+    reader = Reader(roots(params), FOG)
+    calibration = calibration_images(lists[settings.row], reader, settings.calibration, composite)
+    samples = _samples(this)
     scores: list[Score] = []
     for name, path in models.items():
         scores += networks.measure(name, _model(path), samples, calibration, settings.scales)
-    costs = _costs(params, models, reader, inputs)
+    costs = _costs(this, models, lists, reader)
 
     best = networks.pareto_front(scores)
-    outputs = [FOLDER / f"networks.{ending}" for ending in ("csv", "tex", "md", "png", "pdf")]
-    outputs += [FOLDER / "training.csv", FOLDER / "training.tex"]
-    write_csv(outputs[0], words.COLUMNS + words.CLASS_COLUMNS, words.rows(scores, best, classes=True))
+    outputs = this.outputs("csv", "tex", "md", "png", "pdf", "training_csv", "training_tex")
+    measured, ended = text.backends(scores, best), text.costs(costs)
+    write_text(outputs[0], measured.to_csv(index=False, lineterminator="\n"))
     height, width = samples[0][0].shape[:2]
     data = "stand-in " if params.stand_in else ""
-    test_set = words.title(settings.test_set)
+    test_set = text.title(settings.test_set)
     what = f"{len(samples)} {data}images of {test_set}, the first of {width} x {height} pixels"
     caption = (
         f"Ways of computing the networks of row {settings.row} (seed {seed}) on {what}: median CPU time of one thread "
         "per image; mean IoU over the annotated classes; changes from PyTorch in float32 at full scale: points of mean "
         "IoU, the class whose IoU changes most, the largest difference of logits, pixels of another class."
     )
-    rows = words.printed(words.rows(scores, best))
-    write_text(outputs[1], long_table(words.HEADS, rows, caption, "table:tradeoff-networks"))
-    ended = words.cost_rows(costs)
+    ways, prices = text.printed(measured, text.BACKENDS), text.printed(ended, text.COSTS)
+    write_text(outputs[1], long_latex(ways, caption, "table:tradeoff-networks"))
     duration = training.caption(settings.steps, test_set)
-    parts = [caption, pipe_table(words.HEADS, rows), networks.paragraph(scores)]
-    parts += [duration, pipe_table(training.HEADS, words.printed(ended)), training.paragraph(costs)]
+    parts = [caption, long_markdown(ways), networks.paragraph(scores)]
+    parts += [duration, long_markdown(prices), training.paragraph(costs)]
     write_text(outputs[2], "\n\n".join(parts) + "\n")
     points = [
-        (words.title(one.network), one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None
+        (text.title(one.network), one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None
     ]
     kept = [good for one, good in zip(scores, best, strict=True) if one.cpu_ms is not None]
     figure = front(points, kept, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
     for path in outputs[3:5]:
         write_bytes(path, render(figure, path.suffix[1:]))
-    write_csv(outputs[5], training.COLUMNS, ended)
-    write_text(outputs[6], long_table(training.HEADS, words.printed(ended), duration, "table:tradeoff-training"))
-    keys = ("row", "test_set", "scales", "calibration", "steps")
-    others = ("scenes.roots", "scenes.zurich_list", "subset.pure", "train")
-    _record(params, "networks", (*(f"tradeoff.{key}" for key in keys), *others), inputs, outputs)
+    write_text(outputs[5], ended.to_csv(index=False, lineterminator="\n"))
+    write_text(outputs[6], long_latex(prices, duration, "table:tradeoff-training"))
+    run.finish()
     print(f"tradeoff networks: {len(scores)} ways, {sum(best)} of them on the front; {outputs[2]}")
 
 
-def _record(params: Params, part: str, keys: Sequence[str], inputs: dict[str, str], outputs: Sequence[Path]) -> None:
-    write_run(
-        FOLDER / f"{part}.run.json",
-        command=["foggy", "tradeoff", "--part", part],
-        params=recorded(params, *keys),
-        inputs=inputs,
-        outputs=outputs,
-    )
-
-
-def _frames(params: Params, inputs: dict[str, str]) -> list[fog.Frame]:
-    names = [f"synscapes/{shard}" for shard in params.scenes.shards]
-    inputs.update(checked_inputs([KEPT, *(index_path(name) for name in names)]))
-    index, folder = read_index(*names), root(params, "synscapes")
-    rows = read_csv(KEPT, ("id",))[: params.tradeoff.frames]
+def _frames(job: Job) -> list[fog.Frame]:
+    """The first kept frames: image, planar depth in metres, camera."""
+    params, (kept,) = job.params, job.inputs("kept")
+    index, folder = read_index(*job.inputs("synscapes")), root(params, "synscapes")
+    rows = read_csv(kept, ("id",))[: params.tradeoff.frames]
     if len(rows) < params.tradeoff.frames:
         raise FoggyError(f"tradeoff.frames: asks for {params.tradeoff.frames} frames, but the filter kept {len(rows)}")
     clear = [read_frame(folder, int(row["id"]), index) for row in rows]
     return [(one.image, one.depth, synscapes.camera_of(row)) for one, row in zip(clear, rows, strict=True)]
 
 
-def _samples(params: Params) -> list["Sample"]:
+def _samples(job: Job) -> list["Sample"]:
     """Images and labelIds of the test set."""
-    name = params.tradeoff.test_set
-    index, folder = read_index(f"{name}/all"), root(params, name)
-    pairs = labelled_pairs(name, folder, index, params.scenes.zurich_list)
+    name = job.params.tradeoff.test_set
+    index, folder = read_index(job.input("index")), root(job.params, name)
+    pairs = DATASETS[name].tested(folder, index, job.params.scenes)
     expect(index, [path for pair in pairs for path in pair], name)
     read = {path: read_checked(folder / path, index[path]) for pair in pairs for path in pair}
     return [
@@ -181,26 +166,23 @@ def _model(path: Path) -> "Model":
         raise FoggyError(f"{path}: {error}") from error
 
 
-def _costs(params: Params, models: dict[str, Path], reader: Reader, inputs: dict[str, str]) -> list["Cost"]:
+def _costs(job: Job, models: dict[str, Path], lists: dict[str, Path], reader: Reader) -> list["Cost"]:
     """What fine-tuning each network on each list of purely synthetic images costs, and what it scores."""
     from foggy_synscapes.tradeoff.training import Cost, seconds_per_step
     from foggy_synscapes.training.forward import Arithmetic
-    from foggy_synscapes.training.policy import Policy
 
-    settings, train = params.tradeoff, params.train
+    settings, train = job.params.tradeoff, job.params.train
     arithmetic = Arithmetic("cpu", train.precision, train.memory_format)
     costs = []
     for name, path in models.items():
-        chosen = getattr(train, name).fine_tuning
-        policy = Policy(**chosen.model_dump(include=set(Policy.__dataclass_fields__)))
-        for row in params.subset.pure:
-            samples = PairDataset(Path(LIST.format(row=row)), reader, train.cache * 2**20, composite)
+        policy = train.network(name).fine_tuning
+        for row in job.params.subset.kinds()["pure"]:
+            samples = PairDataset(lists[row], reader, train.cache * 2**20, composite)
             seconds = seconds_per_step(_model(path), policy, arithmetic, samples, settings.steps)
-            scores = scores_path(settings.test_set, name, row, train.seeds[0])
-            found = read_scores(scores)
-            if found is not None:
-                inputs.update(checked_inputs([scores]))
-            iterations = train.rows[row].length.steps(samples.count, policy.batch)
-            miou = found and found["mean_iou"]["annotated"]
+            found = read_scores(run_file(METRICS, settings.test_set, name, row, train.seeds[0]))
+            schedule = train.rows[row]
+            assert schedule is not None  # the params give one to every row but the baseline
+            iterations = schedule.length.steps(samples.count, policy.batch)
+            miou = found["mean_iou"]["annotated"] if found is not None else None
             costs.append(Cost(name, row, samples.count, iterations, seconds, miou))
     return costs

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.provenance.check import differences
-from foggy_synscapes.provenance.rebuild import OPTIONS, rebuild
+from foggy_synscapes.provenance.rebuild import options, rebuild
 
 HELP = "Hash results, and the stand-in that they come from, and name every file that is not what its record says."
 
@@ -15,9 +15,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("path", nargs="?", type=Path, default=Path("results"), help="file or folder (default: results)")
     parser.add_argument(
         "--rebuild",
-        choices=sorted(OPTIONS),
+        choices=sorted(options()),
         metavar="STEP",
-        help="instead, do the jobs of a step again in a scratch copy and compare the bytes: " + ", ".join(OPTIONS),
+        help="instead, do the jobs of a step again in a scratch copy and compare the bytes: " + ", ".join(options()),
     )
 
 

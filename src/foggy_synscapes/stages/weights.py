@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.matlab import read_parameters
+from foggy_synscapes.networks import NETWORKS
+from foggy_synscapes.networks.importers.layouts import layouts
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
     from foggy_synscapes.networks.importers.convert import Imported
 
 HELP = "Import public weights: whole networks, or backbones to start from."
-LAYOUT_NAMES = ("auto", "drsleep", "matconvnet", "torchseg", "coincheung", "torchvision", "caffe")
 CONTAINERS = ("state_dict", "model", "model_state", "net", "weights")  # keys under which checkpoints keep the tensors
 
 
@@ -25,12 +26,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="import")
     verb = verbs.add_parser("import", help="turn a public file into a safetensors file of this project")
     verb.add_argument("file", type=Path, metavar="FILE", help="weights: .pth, .pt, .safetensors or .mat (MatConvNet)")
-    verb.add_argument("--network", required=True, choices=["refinenet", "bisenet"], help="network that they are for")
+    verb.add_argument("--network", required=True, choices=NETWORKS.names(), help="network that they are for")
     verb.add_argument("--out", type=Path, metavar="FILE", help="file to write (default: FILE with .foggy.safetensors)")
     verb.add_argument(
         "--layout",
         default="auto",
-        choices=LAYOUT_NAMES,
+        choices=["auto", *layouts()],
         help="how the file names its tensors (default: by its names); caffe where torchvision's names hold a backbone "
         "converted from Caffe",
     )

@@ -1,0 +1,45 @@
+"""Foggy images composited when they are read, from recipes: see `frames.recipes`."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.frames import rendering
+from foggy_synscapes.frames.recipes import KEYS, pixels_of
+from foggy_synscapes.io.hashing import sha256_bytes
+
+
+def composite(data: bytes, read: Callable[[str, str], bytes], called: str) -> np.ndarray:
+    """The foggy image of a recipe: uint8 (H, W, 3), equal to the rendered one.
+
+    Parameters
+    ----------
+    data : the recipe
+    read : gives the bytes behind a URI, checked against a SHA-256
+    called : what errors call the recipe
+
+    Raises FoggyError if it is no recipe, its frame cannot be read, or other pixels come out than when it was written.
+    """
+    recipe = _parse(data, called)
+    (rgb, rgb_sha256), (depth, depth_sha256) = recipe["inputs"]
+    clear = rendering.read_clear(read(rgb, rgb_sha256), read(depth, depth_sha256), rgb, depth)
+    pixels = pixels_of(clear, recipe)
+    if sha256_bytes(pixels.data) != recipe["pixels"]:
+        raise FoggyError(
+            f"{called}: other pixels come out than when the recipe was written. Has the code of fog changed? "
+            "Then make the shard again by `foggy fog`, and what follows from it."
+        )
+    return pixels
+
+
+def _parse(data: bytes, called: str) -> dict[str, Any]:
+    try:
+        recipe = json.loads(data)
+        if sorted(recipe) != sorted(KEYS) or [len(entry) for entry in recipe["inputs"]] != [2, 2]:
+            raise ValueError(f"expected {', '.join(KEYS)}")
+    except (ValueError, TypeError) as error:
+        raise FoggyError(f"{called}: no recipe of a foggy image: {error}. Make the shard again.") from error
+    return recipe

@@ -1,0 +1,245 @@
+"""Fog on any frames, without a pipeline: what a folder of foggy images was made with, and what is missing there."""
+
+import argparse
+import json
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+from foggy_synscapes import __version__
+from foggy_synscapes.datasets.synscapes import read_camera
+from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.frames import folders
+from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
+from foggy_synscapes.io import lock
+from foggy_synscapes.io.atomic import remove_leftovers, write_text
+from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.io.progress import progress
+from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.schema import beta_name
+
+SETTINGS = "settings.json"
+COLUMNS = ("id", "red", "green", "blue", "row", "column")
+SHOWN = 10  # errors and warnings printed in full
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of fog on any frames."""
+    frames = parser.add_argument_group("frames", "foggy images of any frames; no params file is needed")
+    frames.add_argument("--synscapes", type=Path, metavar="ROOT", help="folder with img/rgb, img/depth and meta")
+    frames.add_argument("--rgb", type=Path, metavar="DIR", help="or: folder of 8-bit RGB images")
+    frames.add_argument(
+        "--depth", type=Path, metavar="DIR", help="and of their depth: NAME.exr, channel Z, planar metres"
+    )
+    frames.add_argument(
+        "--beta", action="append", metavar="B", help="attenuation coefficient in 1/m, e.g. 0.005; several: --beta again"
+    )
+    frames.add_argument(
+        "--out", type=Path, metavar="DIR", help="where to write beta_B/foggy_img/*.png and airlight.csv"
+    )
+    frames.add_argument("--ids", metavar="LIST", help="frame numbers, e.g. 1-500 or 1,5,9-12 (default: all)")
+    frames.add_argument(
+        "--camera",
+        type=Path,
+        metavar="FILE",
+        help='one camera for all, JSON: {"camera": {"intrinsic": {...}}} with fx, fy, u0, v0, resx, resy in pixels',
+    )
+    frames.add_argument(
+        "--camera-in-depth",
+        action="store_true",
+        help="take each camera from the header of its depth file, as Synscapes has it",
+    )
+    frames.add_argument(
+        "--geometry",
+        choices=("paper", "exact"),
+        default="paper",
+        help="distance along the ray as the published code has it, or from fx, fy and pixel centres (default: paper)",
+    )
+    frames.add_argument(
+        "--model",
+        choices=MODELS.names(),
+        default="homogeneous",
+        help="of fog: " + "; ".join(f"{name}: {MODELS[name].text}" for name in MODELS),
+    )
+    frames.add_argument("--transmittance", action="store_true", help="write 8-bit transmittance maps as well")
+    frames.add_argument(
+        "--blue-airlight",
+        choices=("keep", "drop", "grey"),
+        default="keep",
+        help="where the atmospheric light is that of a blue sky: keep it, leave the frame out, or make it grey",
+    )
+    frames.add_argument(
+        "--png-level",
+        type=int,
+        choices=range(4),
+        default=0,
+        help="0: codes for photographs, fastest (default); 1 to 3: effort of deflate",
+    )
+    frames.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: 1)")
+    frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
+
+
+def run(args: argparse.Namespace, code: str) -> None:
+    """Fog the frames that the command line names; `code` is the digest of the code that renders."""
+    betas = _betas(args.beta or [])
+    if args.out is None or not betas:
+        raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
+    if args.jobs < 1:
+        raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+    if args.camera and args.camera_in_depth:
+        raise UsageError("--camera and --camera-in-depth: give one of them")
+    if args.camera is not None:
+        read_camera(args.camera)  # one camera for all frames: its errors are said once
+    if args.synscapes is not None and args.rgb is None and args.depth is None:
+        frames = of_synscapes(args.synscapes, args.ids, args.camera, args.camera_in_depth)
+    elif args.synscapes is None and args.rgb and args.depth and (args.camera or args.camera_in_depth):
+        frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
+    else:
+        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
+    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
+    job = folders.Job(args.out, betas, *options)
+    fog(frames, job, code, args.camera, jobs=args.jobs, keep_going=args.keep_going)
+
+
+def _betas(texts: list[str]) -> list[str]:
+    """Betas as folders spell them; 0 is the clear image."""
+    betas: dict[str, str] = {}
+    for text in texts:
+        try:
+            name = "0" if float(text) == 0 else beta_name(text)
+        except ValueError as error:
+            reason = str(error) if "beta" in str(error) else f"beta {text!r} is not a number of 1/m, e.g. 0.005"
+            raise UsageError(f"--beta: {reason}") from None
+        if name in betas:
+            raise UsageError(f"--beta {betas[name]} and --beta {text} name the same folder beta_{name}: give it once")
+        betas[name] = text
+    return list(betas)
+
+
+def fog(
+    frames: list[Frame],
+    job: folders.Job,
+    code: str,
+    camera: Path | None = None,
+    jobs: int = 1,
+    keep_going: bool = False,
+) -> None:
+    """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
+
+    Images that an earlier run finished with the same settings are kept, if their inputs did not change since. Another
+    run may be at work on other frames in the same folder.
+
+    code : digest of the code that renders; camera : file of the camera, where all frames have the same
+
+    Raises
+    ------
+    FoggyError
+        Naming the broken frames; with `keep_going` after all others are finished.
+    """
+    table = job.out / "airlight.csv"
+    with lock.of_folder(job.out):
+        own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
+        remove_leftovers(job.out, {*own, SETTINGS, table.name})
+        _check_settings(job, frames, code, camera)
+        rows = _read_airlight(table)
+    known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
+    found: dict[str, folders.Light] = {}
+    started, total = time.perf_counter(), folders.Done("")
+    broken: dict[str, str] = {}
+    blue: list[str] = []
+    with closing(folders.fog_frames(frames, job, jobs, known)) as results:
+        for done in progress(results, "fog", total=len(frames), unit="frame"):
+            if done.error:
+                broken[done.id] = done.error
+                if keep_going:
+                    continue
+                break
+            found[done.id] = done.light
+            blue += [done.id] if done.blue else []
+            total.add(done)
+    with lock.of_folder(job.out):
+        rows = {**_read_airlight(table), **found}
+        write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted({*rows} - {*broken}, key=order)])
+    for warning in _shortened(total.warnings):
+        print(f"warning: {warning}", file=sys.stderr)
+    if blue:
+        answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
+        print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
+    seconds = time.perf_counter() - started
+    print(
+        f"fog: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
+        f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
+    )
+    if broken:
+        rest = "" if keep_going else "; repair it and run the command again, or add --keep-going to finish the others"
+        raise FoggyError("\n".join(broken.values()) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
+
+
+def _origin(frames: list[Frame]) -> str:
+    """Tells the folders that frames are read from, without naming them."""
+    places = sorted({str(path.parent.resolve()) for frame in frames for path in (frame.rgb, frame.depth)})
+    return sha256_bytes("\n".join(places).encode())[:16]
+
+
+def _camera(frames: list[Frame], camera: Path | None) -> str:
+    """Where cameras come from; one camera for all counts with its content."""
+    if camera is not None:
+        return f"one file, {sha256(camera)[:16]}"
+    return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"
+
+
+def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Path | None) -> None:
+    """Keep one folder from holding images of different frames, settings or versions of the code."""
+    settings = {
+        "frames": _origin(frames),
+        "camera": _camera(frames, camera),
+        "code": code[:16],
+        "geometry": job.geometry,
+        "model": job.model,
+        "blue_airlight": job.treatment,
+        "png_level": job.level,
+        "foggy_synscapes": __version__,
+    }
+    path = job.out / SETTINGS
+    if not path.is_file():
+        if any(job.out.glob("beta_*/*/[!.]*")):
+            raise FoggyError(
+                f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
+                "delete the folder."
+            )
+        write_text(path, json.dumps(settings, indent=1) + "\n")
+        return
+    try:
+        before = dict(json.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, TypeError, RecursionError) as error:
+        raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
+    if before != settings:
+        keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
+        differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
+        raise FoggyError(
+            f"{path}: the folder holds images of another kind: {differences} "
+            "(frames, camera: where they come from). Choose another --out, or delete the folder."
+        )
+
+
+def _read_airlight(table: Path) -> dict[str, folders.Light]:
+    if not table.is_file():
+        return {}
+    known: dict[str, folders.Light] = {}
+    try:
+        for line in read_csv(table, COLUMNS):
+            red, green, blue, row, column = (int(line[name]) for name in COLUMNS[1:])
+            known[line["id"]] = red, green, blue, row, column
+        return known
+    except ValueError as error:
+        raise FoggyError(f"{table}: {error}. Delete it; it is made again.") from error
+
+
+def _older(path: Path, table: Path) -> bool:
+    return path.is_file() and folders.changed(path) <= table.stat().st_mtime_ns
+
+
+def _shortened(lines: list[str]) -> list[str]:
+    return lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more"]
