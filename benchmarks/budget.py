@@ -5,13 +5,17 @@ backwards counts as two forwards. Disk and the time of fog are those of one real
 """
 
 import argparse
+import sys
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
 
 from clones import ROOT, table
 
 from foggy_synscapes.networks.catalogue import catalogue
-from foggy_synscapes.params import ClearList, MixedList, Params, load
-from foggy_synscapes.stages.subset import share
+from foggy_synscapes.params import Params, load
+from foggy_synscapes.subsets import KINDS
+from foggy_synscapes.subsets.kind import FOG
 
 SYNSCAPES, CITYSCAPES = 1440 * 720, 2048 * 1024  # pixels of an image
 UNIT = 1024 * 512  # pixels of the image that the multiply-adds are for
@@ -21,17 +25,16 @@ GPU = 10e12  # multiply-adds a second that the last column supposes; put in what
 
 def entries(params: Params, row: str) -> tuple[list[int], int]:
     """Pixels of each validation image of a row's list, and how many images it trains on."""
-    entry: ClearList = params.subset.rows()[row]
-    kind = params.subset.kind(row)
-    if isinstance(entry, MixedList):
-        partly = [share(count, *entry.ratio) for count in (entry.train, entry.validation)]
-        return [SYNSCAPES] * entry.validation + [CITYSCAPES] * partly[1], entry.train + partly[0]
-    return [SYNSCAPES if kind == "pure" else CITYSCAPES] * entry.validation, entry.train
+    entry, foggy = params.subset.rows()[row], FOG in KINDS[params.subset.kind(row)].reads
+    train, validation = entry.counts()
+    # What a list holds beyond its entry's own counts are the Foggy Cityscapes images of a mix.
+    mixed = validation - entry.validation
+    return [SYNSCAPES if foggy else CITYSCAPES] * entry.validation + [CITYSCAPES] * mixed, train
 
 
 def training(params: Params, network: str, row: str) -> tuple[int, float, float] | None:
     """Images that a training draws, multiply-adds of its steps and of its validations; None if nothing trains."""
-    settings = getattr(params.train, network)
+    settings = params.train.network(network)
     policy = settings.fine_tuning if row in params.train.from_baseline else settings.baseline
     if policy is None:
         return None

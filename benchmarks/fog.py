@@ -14,27 +14,26 @@ CPU time is this thread's; codecs and fog are measured in turn, so that both mee
 """
 
 import argparse
-import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+
+from measured_frames import REAL, cpu, frames
+
 from foggy_synscapes.camera import Camera
-from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.fog.airlight import GREY, estimate
 from foggy_synscapes.frames import rendering
-from foggy_synscapes.io.images import encode_depth, encode_png, read_depth, read_rgb
+from foggy_synscapes.io.images import encode_png, read_depth, read_rgb
 from foggy_synscapes.io.photographs import encode_photograph
 
-REAL = "synscapes"  # folder of the real frames below --samples
 BETAS = ["0.005", "0.01", "0.02", "0.03", "0.06"]
-CAMERA = Camera(fx=1590.8, fy=1592.8, u0=771.3, v0=360.8, resx=1440, resy=720)
 REPEATS = 5  # runs by 1 and by 2 processes in turn, of which the median counts
 IN_MEMORY, FRAME_BYTES = Path("/dev/shm"), 8_000_000  # Linux; of five foggy images, more than they take
 WARM = 20  # frames of the run whose time is taken off: processes start and load meanwhile
@@ -48,38 +47,6 @@ peak = next(line for line in open("/proc/self/status") if line.startswith("VmHWM
 print(peak.split()[1], file=sys.stderr)
 raise SystemExit(status)
 """
-
-
-def generated(seed: int) -> tuple[bytes, bytes]:
-    """A frame of blocks and noise under a white sky at 8 km."""
-    rng = np.random.default_rng(seed)
-    blocks = np.kron(rng.integers(20, 200, (36, 72, 3)), np.ones((20, 20, 1))).astype(np.int64)
-    image = (blocks + rng.integers(-6, 7, blocks.shape)).clip(0, 255).astype(np.uint8)
-    depth = 5 + 150 * np.linspace(1, 0, 720)[:, None] ** 3 + rng.random((720, 1440))
-    image[:200], depth[:200] = (251, 255, 249), 8000 + rng.random((200, 1440))
-    return encode_png(image, 0), encode_depth(depth.astype(np.float32))
-
-
-def frames(folder: Path, count: int, samples: Path) -> Camera:
-    """Fill a folder in the layout of Synscapes with `count` frames, two different ones in turn."""
-    for name in ("rgb", "depth"):
-        (folder / "img" / name).mkdir(parents=True)
-    real = samples / REAL
-    for number in range(1, count + 1):
-        paths = folder / f"img/rgb/{number}.png", folder / f"img/depth/{number}.exr"
-        kind = 2 - number % 2
-        if number <= 2:
-            sources = real / f"img/rgb/{kind}.png", real / f"img/depth/{kind}.exr"
-            data = [path.read_bytes() for path in sources] if real.is_dir() else generated(kind)
-            for path, content in zip(paths, data, strict=True):
-                path.write_bytes(content)
-        else:
-            for path in paths:
-                os.link(path.with_stem(str(kind)), path)
-    camera = read_camera(real / "camera.json") if real.is_dir() else CAMERA
-    text = '{"camera": {"intrinsic": ' + str(vars(camera)).replace("'", '"') + "}}"
-    (folder / "camera.json").write_text(text)
-    return camera
 
 
 def codecs(folder: Path, frame: int, foggy: list[np.ndarray], level: int) -> None:
@@ -134,12 +101,6 @@ def both_processors() -> float:
             running.wait()
         times.append(time.perf_counter() - started)
     return 2 * times[0] / times[1]
-
-
-def cpu(call: Callable[[], object]) -> float:
-    started = time.thread_time()
-    call()
-    return time.thread_time() - started
 
 
 def run(folder: Path, out: Path, count: int, *more: str) -> tuple[float, float]:

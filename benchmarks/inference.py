@@ -17,13 +17,13 @@ import time
 import numpy as np
 import torch
 
-from foggy_synscapes.networks import PUBLISHED
+from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import Model, Preprocessing
-from foggy_synscapes.tradeoff.networks import EAGER, INT8, THREADS, ways_at
+from foggy_synscapes.tradeoff.networks import EAGER, INT8, THREADS, backends_at
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("--network", choices=list(PUBLISHED), default="bisenet")
+parser.add_argument("--network", choices=NETWORKS.names(), default="bisenet")
 parser.add_argument("--size", type=int, nargs=2, default=(512, 1024), metavar=("ROWS", "COLUMNS"), help="pixels")
 parser.add_argument("--rounds", type=int, default=10)
 parser.add_argument("--memory", action="store_true")
@@ -38,11 +38,11 @@ def image(height: int, width: int, seed: int) -> np.ndarray:
 
 def published(network: str) -> Model:
     torch.manual_seed(0)
-    return Model(build(PUBLISHED[network]).eval(), Preprocessing())
+    return Model(build(NETWORKS[network].published).eval(), Preprocessing())
 
 
 def speed(network: str, height: int, width: int, rounds: int) -> None:
-    ways = ways_at(published(network), 1.0, [image(height, width, seed) for seed in range(2)])
+    ways = backends_at(published(network), 1.0, [image(height, width, seed) for seed in range(2)])
     rgb, times = image(height, width, 9), {way: [] for way in ways}
     for number in range(rounds + 1):
         for way, run in ways.items():

@@ -8,15 +8,19 @@ The clear images and depth that `on the fly` reads are there in any case.
 """
 
 import argparse
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from fog import cpu, frames
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+
+from measured_frames import cpu, frames
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.uris import Reader
-from foggy_synscapes.frames import recipes, rendering
+from foggy_synscapes.frames import compositing, recipes, rendering
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_rgb
 
@@ -44,13 +48,13 @@ def main() -> None:
             recipe = recipes.write(clear, camera, "paper", light, BETA, frame, index)
             lines = rendering.rays_of(clear, camera, "camera", "paper")
             (png,) = rendering.foggy_pngs(clear, lines, light, [BETA], 0)
-            same = np.array_equal(recipes.composite(recipe, reader.read, "recipe"), read_rgb(png))
+            same = np.array_equal(compositing.composite(recipe, reader.read, "recipe"), read_rgb(png))
             assert same, "other pixels on the fly"
             made.append((png, recipe))
         ahead, on_the_fly = [], []
         for _ in range(args.rounds):
             ahead += [cpu(lambda png=png: read_rgb(png)) for png, _ in made]
-            on_the_fly += [cpu(lambda r=recipe: recipes.composite(r, reader.read, "recipe")) for _, recipe in made]
+            on_the_fly += [cpu(lambda r=recipe: compositing.composite(r, reader.read, "recipe")) for _, recipe in made]
         for title, times, part in (("ahead", ahead, 0), ("on the fly", on_the_fly, 1)):
             size = sum(len(each[part]) for each in made) / len(made)
             print(f"{title:<12}{1e3 * np.median(times):6.1f} CPU ms an image{size / 1e3:10.1f} kB an image")

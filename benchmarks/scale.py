@@ -21,14 +21,16 @@ import tempfile
 from pathlib import Path
 
 import yaml
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+
 from clones import ROOT, Call, call, clone, table
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import CACHE
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.params import Params, check
+from foggy_synscapes.params import Params, check, load, resolved
 
 BETAS = ("0.005", "0.01", "0.02", "0.03", "0.06")
 SECONDS, MEGABYTES = 15.0, 1000.0  # targets of a dry run at full size
@@ -37,7 +39,7 @@ SIZES = {"rgb": 1_600_000, "depth": 4_100_000, "class": 60_000}  # bytes of the 
 
 def document(frames: int) -> dict:
     """The paper's params with five betas over so many frames, a row per beta; small datasets are left as stand-ins."""
-    params = read_yaml(ROOT / "params/paper.yaml")
+    params = resolved.document(load(ROOT / "params/paper.yaml"))
     held_out = min(500, frames // 10)
     train = frames - held_out
     params["scenes"]["roots"] = dict.fromkeys(params["scenes"]["roots"], "stand-in") | {"synscapes": "data/Synscapes"}

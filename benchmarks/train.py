@@ -38,7 +38,7 @@ from foggy_synscapes.networks.weights import Preprocessing  # noqa: E402
 from foggy_synscapes.training import loop, losses  # noqa: E402
 from foggy_synscapes.training.forward import Arithmetic, forward  # noqa: E402
 from foggy_synscapes.training.loader import Steps, batches  # noqa: E402
-from foggy_synscapes.training.policy import Policy, parameter_groups, set_training  # noqa: E402
+from foggy_synscapes.training.parameters import parameter_groups, set_training  # noqa: E402
 
 
 class Noise:
@@ -76,8 +76,8 @@ class Files(Noise):
 
 
 def waiting(name: str) -> None:
-    settings = getattr(params.train, name)
-    policy = Policy(**settings.baseline.model_dump(include=set(Policy.__dataclass_fields__)))
+    settings = params.train.network(name)
+    policy = settings.baseline
     arithmetic = Arithmetic("cpu", params.train.precision, params.train.memory_format)
     network = build(NetworkConfig(name, settings.backbone, settings.width, settings.decoder))
     files, shares = Files(), []
@@ -109,8 +109,8 @@ def waiting(name: str) -> None:
 
 
 def measure(name: str) -> None:
-    settings = getattr(params.train, name)
-    policy = Policy(**settings.baseline.model_dump(include=set(Policy.__dataclass_fields__)))
+    settings = params.train.network(name)
+    policy = settings.baseline
     arithmetic = Arithmetic("cpu", params.train.precision, params.train.memory_format)
     network = build(NetworkConfig(name, settings.backbone, settings.width, settings.decoder))
     noise, preprocessing = Noise(), Preprocessing()

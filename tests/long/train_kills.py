@@ -1,4 +1,4 @@
-"""Whether a killed training goes on to the same bytes: python benchmarks/train_kills.py [--kills 20] [--row FS-498]
+"""Whether a killed training goes on to the same bytes: python tests/long/train_kills.py [--kills 20] [--row FS-498]
 
 In the project's folder, after a run of it. Each network is trained anew in a scratch copy of what the row needs, killed
 at random moments (SIGKILL) and started again, with no, one or two loader workers in turn, until it ends; its model
@@ -18,6 +18,7 @@ from pathlib import Path
 import yaml
 
 from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.params.training import BASELINE
 
 NETWORKS = ("bisenet", "refinenet")
 COMPARED = ("model.safetensors", "curves.csv")
@@ -28,8 +29,8 @@ def scratch_copy(folder: Path, network: str, row: str) -> None:
     for name in ("scenes", "fog", "subset"):
         (folder / "results").mkdir(exist_ok=True)
         (folder / "results" / name).symlink_to(Path("results", name).resolve())
-    baseline = Path("results/train", network, "C", "seed-0")
-    if row != "C":
+    baseline = Path("results/train", network, BASELINE, "seed-0")
+    if row != BASELINE:
         shutil.copytree(baseline, folder / baseline)
     for workers in (0, 1, 2):
         document = yaml.safe_load(Path("params.yaml").read_text())

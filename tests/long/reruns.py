@@ -1,6 +1,6 @@
 """What a change makes run again, on both engines, as a table: `make reruns`.
 
-    python benchmarks/reruns.py [--run] [--only TEXT] [--clones DIR]
+    python tests/long/reruns.py [--run] [--only TEXT] [--clones DIR]
 
 For each change of tests/helpers/changes.py, a finished smoke run is changed, and both engines are asked what is out of
 date; that has to be exactly the listed jobs: one that lacks would leave a stale result, one too many is needless work.
@@ -17,7 +17,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from changes import CHANGES, Change, make, matching
 from engines import SMOKE, clone, environment, for_dvc, hashes, own_sources, planned, ran, run

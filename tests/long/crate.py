@@ -1,6 +1,6 @@
 """Whether the lineage of a table is a valid Workflow Run RO-Crate: `make crate`.
 
-    python benchmarks/crate.py [--clone DIR]
+    python tests/long/crate.py [--clone DIR]
 
 Exports the lineage of a table of a finished smoke run (DIR, or one that is made here) by `foggy trace --crate`, and has
 roc-validator, in an environment of its own because it excludes the version of rich that is used here, check what the
@@ -17,6 +17,8 @@ import tempfile
 import venv
 from importlib.resources import files
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from clones import call, clone
 

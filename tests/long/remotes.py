@@ -1,4 +1,4 @@
-"""The smoke chain shared through real servers: python benchmarks/remotes.py [--keep]
+"""The smoke chain shared through real servers: python tests/long/remotes.py [--keep]
 
 A gateway that speaks S3 (JuiceFS) and an sshd are started on free ports of the loopback interface, with keys that are
 made for this run and given to DVC by the environment alone (AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, SSH_AUTH_SOCK).
@@ -22,6 +22,8 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from clones import ROOT, Call, call, clone, free_ports, hashes, stop_in_order, table, wait_until
 
@@ -140,7 +142,7 @@ class Bench:
     def publish(self, remotes: dict[str, dict[str, str]]) -> None:
         """Run the chain in the author's clone, commit, and push to each remote."""
         clone(self.author)
-        shutil.copy(self.author / "params/smoke.yaml", self.author / "params.yaml")
+        self.run(self.author, "foggy", "params", "--file", "params/smoke.yaml", "--out", "params.yaml")
         self.git(self.author, "init", "--quiet")
         for name, options in remotes.items():
             self.run(self.author, "dvc", "remote", "add", name, options["url"])

@@ -1,6 +1,6 @@
 """What a change of raw data makes run again: `make reruns`.
 
-    python benchmarks/raw_changes.py [--run] [--clones DIR]
+    python tests/long/raw_changes.py [--run] [--clones DIR]
 
 The finished smoke runs of both engines are given their Synscapes frames as a dataset of their own, outside of results/,
 as real data is. Moving it there must train nothing. Then one file is changed: Snakemake has to notice that itself and
@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from changes import FRAMES, PURE, Change, edit_params, make, matching, rows
 from engines import SMOKE, environment, own_sources, planned, ran, run
@@ -78,7 +78,7 @@ def listed_anew(folder: Path) -> None:
     """List a dataset after a change, as the README says; Snakemake has to ask for it."""
     own = own_sources(folder)
     if (folder / ".git").is_dir():
-        run(folder, "dvc", "repro", "--single-item", "--force", "scenes@synscapes", changes=own)
+        run(folder, "dvc", "repro", "--single-item", "--force", "scenes_synscapes", changes=own)
         return
     call = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", *SMOKE]
     told = subprocess.run(call, cwd=folder, env=environment(own), capture_output=True, text=True, check=False)

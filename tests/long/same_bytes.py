@@ -1,6 +1,6 @@
 """Whether clean runs give the same bytes wherever they are made: `make same-bytes`.
 
-    python benchmarks/same_bytes.py [--only TEXT]
+    python tests/long/same_bytes.py [--only TEXT]
 
 Runs the smoke chain from nothing by either engine, on 1 and 2 cores, in another folder, time zone, language and order
 of hashes, and compares the SHA-256 of every file under results/ but logs and benchmarks.
@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from engines import SMOKE, clone, for_dvc, hashes, own_sources, run
 

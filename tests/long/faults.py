@@ -1,6 +1,6 @@
 """What faults do to a run: kills at random moments, a full disk, no memory, a wrong clock, two at once: `make faults`.
 
-    python benchmarks/faults.py [--kills N] [--seed S] [--only CASE]
+    python tests/long/faults.py [--kills N] [--seed S] [--only CASE]
 
 Kills: the smoke chain is run, killed by kill -9 at a random moment (all processes, the engine alone, or one worker) and
 run again by the normal command, which is killed again and so on, until it comes to its end; then every result must be
@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from engines import environment, hashes
 from kills import ENGINES, HOW, call, pause, prepared, run_until

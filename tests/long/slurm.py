@@ -1,4 +1,4 @@
-"""The smoke chain on a real Slurm of one machine, against a local run: python benchmarks/slurm.py [--keep]
+"""The smoke chain on a real Slurm of one machine, against a local run: python tests/long/slurm.py [--keep]
 
 munged, mariadbd, slurmdbd, slurmctld and slurmd of the Debian packages are started in a temporary folder, on free ports
 of the loopback interface; nothing of the machine's own configuration is read or changed. Needs root, as slurmd does.
@@ -25,6 +25,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
+
 from clones import PATIENCE, call, clone, free_ports, hashes, stop_in_order, table, wait_until
 
 PROGRAMS = ("munged", "mariadbd", "mariadb-install-db", "slurmdbd", "slurmctld", "slurmd", "sacctmgr")
