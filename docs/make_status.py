@@ -8,13 +8,15 @@ import sys
 from decimal import Decimal
 from pathlib import Path
 
+from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.tables.numbers import round_half_up
+from foggy_synscapes.tables.published import TEST_SETS
 
 START, END = "<!-- status -->", "<!-- end of status -->"
-TITLES = {"foggy_driving": "Foggy Driving", "foggy_zurich": "Foggy Zurich-test"}
+TITLES = {name: DATASETS[name].title for name in TEST_SETS}
 NEEDS = {
     "C": "Cityscapes",
     "FC-498": "Cityscapes, Foggy Cityscapes",
