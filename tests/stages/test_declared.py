@@ -128,7 +128,7 @@ def test_a_module_adds_a_stand_in_whose_count_stands_in_the_params(document: dic
     with pytest.raises(FoggyError, match=r"scenes\.roots: mist missing, which evaluate, tradeoff or subset needs"):
         check(document, "params.yaml")
     document["scenes"]["roots"]["mist"] = "stand-in"
-    with pytest.raises(FoggyError, match=r"scenes\.stand_in\.mist: missing"):
+    with pytest.raises(FoggyError, match=r"stand_in\.mist: missing\. Say how many frames of mist are rendered"):
         check(document, "params.yaml")
     document["scenes"]["stand_in"]["mist"] = 1
     params = check(document, "params.yaml")
