@@ -21,7 +21,7 @@ from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import STAND_IN, load
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.runs import code_of, record_of
-from foggy_synscapes.steps import steps
+from foggy_synscapes.steps import REGISTRIES, steps
 
 HELPERS = Path(__file__).resolve().parent
 LOCKS = ".foggy"
@@ -144,6 +144,8 @@ def _is_code(path: Path, code: set[str], folder: Path) -> bool:
         name in code
         or inside.as_posix() in code
         or name in ("", "__main__", *loaded_by_chassis(folder))
+        # Registries look through their packages for what declares an entry.
+        or inside.parent.as_posix() in {registry.package.replace(".", "/") for registry in REGISTRIES.values()}
         or any(name == part or name.startswith(f"{part}.") for part in free)
     )
 

@@ -33,7 +33,7 @@ def code(word: str, entries: tuple[str, ...], registries: dict[str, Registry]) -
 
     Raises UnknownEntry if an entry is not registered.
     """
-    starts = [FOLDER / "stages" / f"{word}.py"]
+    starts = _files(f"{PACKAGE}.stages.{word}")
     starts += [registries[entry.partition(".")[0]].file(entry.partition(".")[2]) for entry in entries]
     files = _reach(tuple(starts), tuple(plugin_files()))
     digests = {_name(path): _digest(path) for path in files}
