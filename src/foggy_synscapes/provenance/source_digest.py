@@ -6,12 +6,12 @@ what it decides reaches a job by declared values, and a new key of a figure must
 """
 
 import ast
-import hashlib
 import sys
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, plugin_files
 
 CHASSIS: tuple[str, ...] = ("cli", "errors", "jobs", "params", "provenance", "registry", "results", "schema", "steps")
@@ -21,7 +21,7 @@ CHECKED = ("frames.compositing",)
 """Modules whose results are compared with a recorded hash, so that their code cannot change any."""
 NOT_COMPUTING = {"pydantic", "tqdm", "yaml"}
 """Libraries that check params, read YAML and draw progress bars."""
-DISTRIBUTIONS = {"PIL": "pillow", "sklearn": "scikit-learn"}
+DISTRIBUTIONS = {"PIL": "pillow"}
 """Distributions whose name is not the name that is imported."""
 FOLDER = Path(__file__).resolve().parents[1]
 
@@ -40,7 +40,7 @@ def code(word: str, entries: tuple[str, ...], registries: dict[str, Registry]) -
     # Numbers and templates beside a package's code belong to it.
     for folder in {path.parent for path in files if path.name == "__init__.py"}:
         for path in (*folder.glob("*.csv"), *folder.glob("templates/*")):
-            digests[path.relative_to(FOLDER).as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+            digests[path.relative_to(FOLDER).as_posix()] = sha256(path)
     imported = {name.partition(".")[0] for path in files for name in _imports(path, _stamp(path))}
     imported -= {PACKAGE, PLUGINS, *sys.stdlib_module_names, *NOT_COMPUTING}
     versions = {DISTRIBUTIONS.get(name, name): version(DISTRIBUTIONS.get(name, name)) for name in imported}
@@ -51,7 +51,7 @@ def now(name: str) -> str | None:
     """Today's digest of what a record names as code; None where it is gone."""
     if "/" in name:
         path = FOLDER / name
-        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+        return sha256(path) if path.is_file() else None
     package = PACKAGE if name.partition(".")[0] != PLUGINS else ""
     found = [path for path in _files(f"{package}.{name}".lstrip(".")) if _name(path) == name]
     return _digest(found[0]) if found else None
@@ -69,7 +69,7 @@ def version(distribution: str) -> str:
 def identity(*found: dict[str, str]) -> str:
     """One SHA-256 for all that counts of a job's code."""
     lines = [f"{name} {value}\n" for values in found for name, value in sorted(values.items())]
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
+    return sha256_bytes("".join(lines).encode())
 
 
 def _reach(starts: tuple[Path, ...], _plugins: tuple[Path, ...]) -> list[Path]:
@@ -150,7 +150,7 @@ def meaning(source: bytes) -> str:
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             node.body = [part for part in node.body if not _is_text(part)]
-    return hashlib.sha256(_dump(tree).encode()).hexdigest()
+    return sha256_bytes(_dump(tree).encode())
 
 
 def _is_text(node: ast.stmt) -> bool:
