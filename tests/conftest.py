@@ -18,8 +18,10 @@ def real_data() -> Path:
     return folder
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of a file on one worker, and on the same one those that share the run of the whole chain."""
+    """Keep the tests of a file on one worker, so that what they share is made once, and begin with the longest."""
+    items.sort(key=lambda item: "workflow" not in item.path.parts)
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(str(item.path)))

@@ -83,8 +83,8 @@ def test_writes_csv_latex_markdown_html_and_a_record(document):
     page = Path("results/tables/foggy_zurich.html").read_text()
     assert "24,500 -&gt; 600 here" in page
     assert page.count("<table ") == latex.count(r"\begin{tabular}") == 3
-    bold = re.findall(r"([^{}]*)\{\s*font-weight: bold", page)
-    assert sum(marks.count("#T_") for marks in bold) == markdown.count("**") / 2
+    bold = [rule for rule in page.split("}") if "font-weight: bold" in rule]
+    assert sum(rule.rpartition("</style>")[2].count("#T_") for rule in bold) == markdown.count("**") / 2
     means = json.loads(Path("results/tables/foggy_zurich.json").read_text())
     assert means == {"BiSeNet": {"C": scores["mean_iou"]["annotated"]}}
     record = json.loads(Path("results/tables/foggy_zurich.run.json").read_text())

@@ -7,12 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from engines import ROOT, complete, hashes, planned, run
 
 from foggy_synscapes.io.atomic import write_text
 
-pytestmark = pytest.mark.xdist_group("chain")
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
 
 

@@ -1,11 +1,11 @@
 """A folder of plugins, one of each kind, goes through both engines; docs/extending.md shows its code."""
 
 import re
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+import warm
 from changes import Change, Edit, changed
 from engines import ROOT, clone, for_dvc, hashes, own_sources, planned, run
 
@@ -30,21 +30,15 @@ ADDED |= {"figures": "frame_depths", "subsets": "refined_and_clear"}
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """By engine, a clone in which it made the table and figures of what the plugins add; both at a time, for speed."""
+    """By engine, a clone in which it made the table and figures of what the plugins add."""
     folders = {name: clone(tmp_path_factory.mktemp(f"plugins by {name}")) for name in ("snakemake", "dvc")}
-
-    def by_snakemake() -> None:
+    with warm.jobs(tmp_path_factory.mktemp("warm") / "jobs", {}) as changes:
         figures = (FIGURE, PREDICTIONS)
-        run(folders["snakemake"], "snakemake", TABLE, *figures, "--cores", "1", "--configfile", EXAMPLE)
-
-    def by_dvc() -> None:
+        targets = (TABLE, *figures, "--cores", "1", "--configfile", EXAMPLE)
+        run(folders["snakemake"], "snakemake", *targets, changes=changes)
         folder = for_dvc(folders["dvc"], EXAMPLE)
         run(folder, "foggy_synscapes", "steps", "--dvc", "dvc.yaml", changes=own_sources(folder))
-        run(folder, "dvc", "repro", "tables", "figures_frame_depths")
-
-    with ThreadPoolExecutor() as pool:
-        for started in [pool.submit(engine) for engine in (by_snakemake, by_dvc)]:
-            started.result()
+        run(folder, "dvc", "repro", "tables", "figures_frame_depths", changes=changes)
     return folders
 
 
@@ -56,7 +50,6 @@ def plugins():
     use_plugins(None)
 
 
-@pytest.mark.xdist_group("plugins")
 def test_what_plugins_add_is_in_tables_and_figures(made: dict[str, Path]) -> None:
     folder = made["snakemake"]
     lines = read_csv(folder / TABLE)
@@ -72,7 +65,6 @@ def test_what_plugins_add_is_in_tables_and_figures(made: dict[str, Path]) -> Non
     assert '"foggy_plugins.linear_fog"' in record
 
 
-@pytest.mark.xdist_group("plugins")
 def test_both_engines_make_the_same_of_plugins(made: dict[str, Path]) -> None:
     ours, theirs = hashes(made["snakemake"]), hashes(made["dvc"])
     both = [name for name in theirs if not name.startswith("results/code/")]
@@ -80,7 +72,6 @@ def test_both_engines_make_the_same_of_plugins(made: dict[str, Path]) -> None:
     assert {name: ours.get(name) for name in both} == {name: theirs[name] for name in both}
 
 
-@pytest.mark.xdist_group("chain")
 def test_naming_a_folder_of_plugins_runs_only_what_they_add(snakemake: Path, tmp_path: Path) -> None:
     change = Change("plugins", (Edit("params/smoke.yaml", new="\nplugins: examples/plugins\n"),))
     with changed(snakemake, change, tmp_path):

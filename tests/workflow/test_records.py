@@ -7,14 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import pytest
 import yaml
 
 from foggy_synscapes.params import Params
 from foggy_synscapes.provenance.recorded import leaves, select
 from foggy_synscapes.provenance.runs import read_runs
-
-pytestmark = pytest.mark.xdist_group("chain")
 
 
 def stated(values: Any) -> Any:

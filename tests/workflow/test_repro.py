@@ -101,7 +101,6 @@ def test_a_job_that_outlives_its_dvc_is_waited_for(folder: Path) -> None:
     assert second.returncode == 0
 
 
-@pytest.mark.xdist_group("chain")
 def test_torn_files_of_dvc_are_removed_and_nothing_is_made_again(dvc: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(dvc, tmp_path / "clone", symlinks=True))
     before, lock = hashes(folder), (folder / "dvc.lock").read_bytes()

@@ -8,7 +8,6 @@ from engines import SMOKE, planned
 from plans import compare_plans
 from reads import undeclared, watch
 
-pytestmark = pytest.mark.xdist_group("chain")
 # `make reruns` goes through the other changes of the table in tests/helpers/changes.py, `make reads` through all jobs.
 RERUNS = ("a beta added, for FS-498", "a comment in the code of the fog", "a table altered by hand")
 READS = ("filter", "subset FC-FS-498", "tables foggy_zurich")

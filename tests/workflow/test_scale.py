@@ -55,7 +55,6 @@ def test_only_snakemake_submits_a_lost_job_again(plan: str) -> None:
     assert asked(plan, "fog")[0]["slurm_extra"].strip("'") == "--no-requeue"
 
 
-@pytest.mark.xdist_group("chain")
 def test_a_clone_that_pulls_has_nothing_to_do(dvc: Path, tmp_path: Path) -> None:
     run(dvc, "dvc", "remote", "add", "--force", "--local", "store", str(tmp_path / "store"))
     run(dvc, "dvc", "push", "--run-cache", "--remote", "store")
@@ -69,7 +68,6 @@ def test_a_clone_that_pulls_has_nothing_to_do(dvc: Path, tmp_path: Path) -> None
     assert ran(run(folder, "dvc", "repro")) == {"code"}
 
 
-@pytest.mark.xdist_group("chain")
 def test_another_clone_reuses_fogged_shards_by_the_run_cache(dvc: Path, tmp_path: Path) -> None:
     run(dvc, "dvc", "remote", "add", "--force", "--local", "store", str(tmp_path / "store"))
     run(dvc, "dvc", "push", "--run-cache", "--remote", "store")

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import pytest
 from engines import clone, hashes, run
 
 from foggy_synscapes.datasets import DATASETS
@@ -13,7 +12,6 @@ from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.labels import from_train_ids
 from foggy_synscapes.params import load
 
-pytestmark = pytest.mark.xdist_group("chain")
 TABLES = [
     f"results/tables/{name}.{ending}" for name in ("foggy_driving", "foggy_zurich") for ending in ("csv", "tex", "md")
 ]

@@ -15,7 +15,6 @@ from rocrate.rocrate import ROCrate
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.provenance.recorded import leaves
 
-pytestmark = pytest.mark.xdist_group("chain")
 TABLE = "results/tables/foggy_zurich.tex"
 SMOKE = ("--params", "params/smoke.yaml")
 
