@@ -6,7 +6,7 @@ import numpy as np
 
 from foggy_synscapes.standin import fog, stereo
 from foggy_synscapes.standin.render import Scene, render
-from foggy_synscapes.standin.sky import is_blue
+from foggy_synscapes.standin.style import is_blue
 
 SYNSCAPES, CITYSCAPES_TRAIN, CITYSCAPES_VAL = 1, 2, 3
 """Streams of random numbers: no frame of one shares a scene with a frame of another. Each test set has its own."""

@@ -7,8 +7,7 @@ import numpy as np
 
 from foggy_synscapes.standin.canvas import FARTHEST
 from foggy_synscapes.standin.noise import upsample
-from foggy_synscapes.standin.render import Scene
-from foggy_synscapes.standin.street import EGO
+from foggy_synscapes.standin.render import EGO, Scene
 
 BASELINE = 0.209313
 """Metres between the two cameras of Cityscapes."""
