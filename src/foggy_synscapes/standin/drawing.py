@@ -58,7 +58,7 @@ def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: 
 
     jobs : processes that render; what : a word for the progress shown
     """
-    folder, waiting = made.folder, [frame for frame in frames if not made.has(frame.paths())]
+    folder, waiting = made.folder, [frame for frame in frames if not made.has(frame.paths)]
     for number, files in enumerate(progress(_rendered(waiting, jobs), what, total=len(waiting)), start=1):
         for path, data in files:
             write_bytes(folder / path, data)
@@ -66,20 +66,17 @@ def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: 
         if number % CHECKPOINT == 0:
             made.save()
     made.save()
-    for path, content in lists:
-        write_bytes(folder / path, encode(path, content))
-    wanted = (
-        {folder / path for frame in frames for path in frame.paths()} | {folder / path for path, _ in lists} | {readme}
-    )
-    for found in sorted(folder.rglob("*")):
+    for path, data in lists:
+        write_bytes(folder / path, data)
+    paths = [path for frame in frames for path in frame.paths] + [path for path, _ in lists]
+    wanted = {readme, *(folder / path for path in paths)}
+    for found in folder.rglob("*"):
         if found.is_file() and found not in wanted:
             found.unlink()
 
 
-def encode(path: str, content: np.ndarray | dict[str, Any] | bytes) -> bytes:
-    """Bytes of a file: of an array by the ending of its name, PNG or EXR; of a mapping as JSON; bytes as they are."""
-    if isinstance(content, bytes):
-        return content
+def encode(path: str, content: np.ndarray | dict[str, Any]) -> bytes:
+    """Bytes of a file: of an array by the ending of its name, PNG or EXR; of a mapping as JSON."""
     if isinstance(content, dict):
         return (json.dumps(content, indent=1, sort_keys=True) + "\n").encode()
     return encode_depth(content) if path.endswith(".exr") else encode_png(content)
@@ -94,4 +91,4 @@ def _rendered(frames: list[Frame], jobs: int) -> Iterator[list[tuple[str, bytes]
 
 
 def _files(frame: Frame) -> list[tuple[str, bytes]]:
-    return [(path, encode(path, content)) for path, content in frame.files()]
+    return [(path, encode(path, content)) for path, content in zip(frame.paths, frame.render(), strict=True)]

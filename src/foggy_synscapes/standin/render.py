@@ -35,6 +35,11 @@ class Scene:
     instance: dict[str, dict]
     scene: dict[str, float]
 
+    def instance_ids(self) -> np.ndarray:
+        """Cityscapes' instanceIds, uint16 (H, W): labelId * 1000 + n on road users, the labelId elsewhere."""
+        numbered = self.instances // traffic.STRIDE * 1000 + self.instances % traffic.STRIDE
+        return np.where(self.instances > 0, numbered, self.label_ids).astype(np.uint16)
+
 
 def render(
     seed: tuple[int, ...],
