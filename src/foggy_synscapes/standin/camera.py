@@ -41,11 +41,7 @@ class Rig:
         cp, sp = math.cos(self.pitch), math.sin(self.pitch)
         cy, sy = math.cos(self.yaw), math.sin(self.yaw)
         cr, sr = math.cos(self.roll), math.sin(self.roll)
-        right, up, forward = (
-            np.array([cy, 0, sy]),
-            np.array([-sp * sy, cp, sp * cy]),
-            np.array([-cp * sy, -sp, cp * cy]),
-        )
+        right, up, forward = np.array([[cy, 0, sy], [-sp * sy, cp, sp * cy], [-cp * sy, -sp, cp * cy]])
         return np.stack([cr * right - sr * up, sr * right + cr * up, forward])
 
     def rays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -71,18 +67,13 @@ class Rig:
         depth = points[:, 2]
         return points[:, 0] / depth * self.fx + self.u0, points[:, 1] / depth * self.fy + self.v0
 
-    def intrinsic(self) -> dict[str, float]:
-        """Field names and values as the metadata spells them."""
-        fields = asdict(self)
-        return {name: fields[name] for name in ("fx", "fy", "resx", "resy", "u0", "v0")}
-
-    def extrinsic(self) -> dict[str, float]:
-        """Field names and values as the metadata spells them."""
-        fields = asdict(self)
-        return {name: fields[name] for name in ("pitch", "roll", "x", "y", "yaw", "z")}
+    def metadata(self) -> dict[str, dict[str, float]]:
+        """The camera as the datasets describe it: "intrinsic" and "extrinsic" parameters by name."""
+        values = list(asdict(self).items())
+        return {"intrinsic": dict(values[:6]), "extrinsic": dict(values[6:])}
 
 
-def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float = 1.0) -> Rig:
+def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float) -> Rig:
     """Draw a camera near the published one, scaled to `size` (rows, columns).
 
     `spread` 1 varies it from frame to frame as a procedural data set does; near 0 it is one car's calibrated camera.

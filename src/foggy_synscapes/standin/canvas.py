@@ -75,7 +75,6 @@ class Solid:
 class Trace:
     """What an instance would cover if nothing stood before it, (H, W), its planar depths in metres, and its boxes."""
 
-    label: int
     extent: np.ndarray
     near: float = math.inf
     far: float = 0.0
@@ -117,7 +116,7 @@ class Canvas:
         x, z = _turned(cos, -sin, x, z)
         world = np.stack([x, y, z], axis=1) + position
         if instance:
-            self._trace(instance, label).corners.append(self.rig.to_camera(world))
+            self._trace(instance).corners.append(self.rig.to_camera(world))
         window = self._window(world)
         if window is None:
             return
@@ -197,7 +196,7 @@ class Canvas:
         numbers = np.zeros(PARTS, np.uint32) if instances is None else instances
         box = np.array(list(product((x - width / 2, x + width / 2), (y, y - height), (depth, depth + 0.4))))
         for number in {*numbers.tolist()} - {0}:
-            self._trace(number, labels[numbers == number][0]).corners.append(box)
+            self._trace(number).corners.append(box)
             self._trace_pixels(number, pixels[numbers[parts] == number], away)
         front = away < self.depth.take(pixels)
         parts, shade, pixels = parts[front], shade[front], pixels[front]
@@ -230,9 +229,9 @@ class Canvas:
             ranges.append(slice(first, end))
         return ranges[0], ranges[1]
 
-    def _trace(self, instance: int, label: int) -> Trace:
+    def _trace(self, instance: int) -> Trace:
         if instance not in self.traces:
-            self.traces[instance] = Trace(int(label), np.zeros(self.depth.shape, bool))
+            self.traces[instance] = Trace(np.zeros(self.depth.shape, bool))
         return self.traces[instance]
 
     def _trace_pixels(self, instance: int, pixels: np.ndarray, depth: np.ndarray) -> None:

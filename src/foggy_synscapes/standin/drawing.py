@@ -70,7 +70,7 @@ def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: 
         write_bytes(folder / path, data)
     paths = [path for frame in frames for path in frame.paths] + [path for path, _ in lists]
     wanted = {readme, *(folder / path for path in paths)}
-    for found in folder.rglob("*"):
+    for found in sorted(folder.rglob("*")):
         if found.is_file() and found not in wanted:
             found.unlink()
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from foggy_synscapes.standin import stereo
 from foggy_synscapes.standin.camera import Rig
-from foggy_synscapes.standin.noise import upsample
 from foggy_synscapes.standin.render import Scene, render, to_8_bit
+from foggy_synscapes.standin.style import upsample
 
 UNEVENNESS = 0.22
 """Standard deviation of the local beta, as a share of the mean: mild, as fog banks on a street are."""
@@ -26,7 +26,7 @@ def ray_length(depth: np.ndarray, rig: Rig) -> np.ndarray:
 
 def photograph(key: tuple[int, ...], size: tuple[int, int], beta: float, trains: bool) -> Scene:
     """The scene of (seed, stream, number) in fog of beta in 1/m; `trains`: whether there may be any."""
-    scene, rng = render(key, size, "real", overcast=True, trains=trains), np.random.default_rng((*key, 1))
+    scene, rng = render(key, size, real=True, overcast=True, trains=trains), np.random.default_rng((*key, 1))
     local = beta * np.clip(1 + UNEVENNESS * upsample(rng.standard_normal((4, 5)), size), 0.4, 1.8)
     airlight = rng.uniform(0.72, 0.92) + rng.uniform(-0.02, 0.02, 3)
     foggy = _mixed(scene, local * ray_length(scene.depth, scene.rig), airlight)

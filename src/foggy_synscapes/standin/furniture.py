@@ -69,7 +69,7 @@ def _paint_sign(canvas: Canvas, foot: tuple[float, float, float]) -> None:
     style, rng = canvas.style, canvas.style.rng
     kind = list(sprites.SIGNS)[rng.integers(len(sprites.SIGNS))]
     colours, parts = _post_colours(style), [sprites.RIM, sprites.PLATE, sprites.SYMBOL]
-    colours[parts] = [colour(code) * np.float32(0.92) for code in sprites.SIGNS[kind].split()]
+    colours[parts] = [colour(code) * np.float32(0.92) for code in sprites.SIGNS[kind][0].split()]
     if rng.random() < 0.2:  # seen from behind
         colours[parts] = colour("96989a")
     canvas.sprite(sprites.sign(kind), foot, colours, scale=rng.uniform(0.9, 1.1))

@@ -12,7 +12,7 @@ import numpy as np
 from foggy_synscapes.standin.camera import Rig
 from foggy_synscapes.standin.canvas import Canvas
 from foggy_synscapes.standin.street import Street
-from foggy_synscapes.standin.traffic import Traffic
+from foggy_synscapes.standin.traffic import STRIDE, Traffic
 
 KINDS = ("bicyclists", "buses", "cars", "motorcyclists", "pedestrians", "trains", "trucks")
 """Road users that the scene keys count."""
@@ -42,7 +42,7 @@ def describe_instances(canvas: Canvas) -> dict[str, dict]:
         origin, (x, y, z) = _box(trace.corners)
         box = {"origin": origin, "x": x, "y": y, "z": z}
         described["bbox3d"][key] = {name: [round(v, 4) for v in vector.tolist()] for name, vector in box.items()}
-        described["class"][key] = trace.label
+        described["class"][key] = number // STRIDE
         described["occluded"][key] = round(1 - seen / int(trace.extent.sum()), 4)
         corners = np.array([origin + a * x + b * y + c * z for a, b, c in product((0, 1), repeat=3)])
         described["truncated"][key] = round(_outside(corners, canvas.rig), 4)

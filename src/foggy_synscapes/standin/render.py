@@ -7,10 +7,7 @@ import numpy as np
 from foggy_synscapes.standin import furniture, metadata, street, traffic
 from foggy_synscapes.standin.camera import Rig, sample_rig
 from foggy_synscapes.standin.canvas import FARTHEST, SKY_FAR, SKY_NEAR, Canvas
-from foggy_synscapes.standin.noise import upsample
-from foggy_synscapes.standin.style import ID, Style, colour, sample_weather
-
-DOMAINS = ("synthetic", "real")
+from foggy_synscapes.standin.style import ID, Style, colour, sample_weather, upsample
 
 EGO = 1
 """labelId of the camera's own car: void in the evaluation."""
@@ -44,13 +41,12 @@ class Scene:
 def render(
     seed: tuple[int, ...],
     size: tuple[int, int],
-    domain: str,
     *,
+    real: bool,
     blue: bool = False,
     overcast: bool = False,
     trains: bool = True,
     hood: bool = False,
-    spread: float = 1.0,
 ) -> Scene:
     """Render a street scene.
 
@@ -58,29 +54,19 @@ def render(
     ----------
     seed : whole numbers that alone decide the frame, e.g. (seed, stream, frame)
     size : rows and columns
-    domain : "synthetic" (smooth surfaces) or "real" (richer texture, a camera's noise and colours)
+    real : richer texture, and a camera's noise and colours; else smooth surfaces
     blue : a cloudless blue sky under direct sun; else a bright veiled or clouded one
     overcast : flat white sky, as on a foggy day
     trains : whether trains may occur
-    hood : whether the camera sees the front of its own car (labelId 1), as in Cityscapes
-    spread : how much the camera varies, see `sample_rig`
+    hood : whether one calibrated camera sees the front of its own car (labelId 1), as in Cityscapes
 
-    Raises
-    ------
-    ValueError
-        If the domain is unknown or the size below 16 x 16.
-
-    >>> scene = render((1, 2, 3), (32, 64), "synthetic")
+    >>> scene = render((1, 2, 3), (32, 64), real=False)
     >>> scene.rgb.shape, scene.depth.dtype.name, bool(np.isfinite(scene.depth).all())
     ((32, 64, 3), 'float32', True)
     """
-    if domain not in DOMAINS:
-        raise ValueError(f"domain: {domain!r} is none of {DOMAINS}")
-    if min(size) < 16:
-        raise ValueError(f"size: {size} is below 16 x 16 pixels")
     layout, pixels = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
-    style = Style(layout, 0.03 if domain == "synthetic" else 0.13, sample_weather(layout, blue, overcast))
-    canvas = Canvas(sample_rig(layout, size, spread), style)
+    style = Style(layout, 0.13 if real else 0.03, sample_weather(layout, blue, overcast))
+    canvas = Canvas(sample_rig(layout, size, 0.1 if hood else 1.0), style)
     road = street.sample_street(layout, trains)
     users = traffic.place_vehicles(road, style)
     street.paint_ground(canvas, road)
@@ -93,7 +79,7 @@ def render(
     if hood:
         _paint_hood(canvas)
     return Scene(
-        rgb=to_8_bit(_sensed(canvas.rgb, layout, pixels) if domain == "real" else _softened(canvas.rgb, 0.15, 0.7)),
+        rgb=to_8_bit(_sensed(canvas.rgb, layout, pixels) if real else _softened(canvas.rgb, 0.15, 0.7)),
         depth=canvas.depth,
         label_ids=canvas.label,
         instances=canvas.instance,

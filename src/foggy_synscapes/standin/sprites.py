@@ -4,13 +4,13 @@ A sprite is looked up by nearest neighbour at any scale; colours, labels and ins
 so that one figure serves every coat and a rider and a bicycle stay two instances.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from foggy_synscapes.standin.noise import NOISE
-from foggy_synscapes.standin.style import ID, colour
+from foggy_synscapes.standin.style import ID, NOISE, colour
 
 PIXELS_PER_METRE = 80
 
@@ -77,16 +77,6 @@ class Sketch:
         for x0, y0, x1, y1 in corners:
             self.parts[(self.x >= x0) & (self.x <= x1) & (self.y >= y0) & (self.y <= y1)] = part
 
-    def triangle(self, part: int, y: float, side: float, up: bool) -> None:
-        """A filled triangle around its middle."""
-        v = (self.y - y) * (1 if up else -1)
-        self.parts[(v >= -0.35 * side) & (np.abs(self.x) <= (0.5 * side - v) * 0.58)] = part
-
-    def octagon(self, part: int, y: float, half: float, cut: float) -> None:
-        """A filled square of twice `half`, its corners cut to |x| + |y| <= `cut`."""
-        x, y = np.abs(self.x), np.abs(self.y - y)
-        self.parts[(x <= half) & (y <= half) & (x + y <= cut)] = part
-
     def finish(self, shade: np.ndarray | None = None) -> Sprite:
         """The sprite, shaded from left to right unless told otherwise."""
         if shade is None:
@@ -125,10 +115,8 @@ def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
     else:
         s.draw(WHEEL, (0, 0.08, 0, 0.58, 0.1 if motor else 0.055))
     if side and motor:
-        s.draw(BODY, (-0.62, 0.55, 0.15, 0.6, 0.16))
-        s.draw(METAL, (0.02, 0.45, 0.2))
-        s.draw(BODY, (0.1, 0.78, 0.42, 0.74, 0.13))
-        s.draw(METAL, (0.38, 0.85, 0.62, 0.33, 0.06), (-0.7, 0.33, 0, 0.3, 0.06))
+        s.draw(BODY, (-0.62, 0.55, 0.15, 0.6, 0.16), (0.1, 0.78, 0.42, 0.74, 0.13))
+        s.draw(METAL, (0.02, 0.45, 0.2), (0.38, 0.85, 0.62, 0.33, 0.06), (-0.7, 0.33, 0, 0.3, 0.06))
         s.draw(HUB, (-0.55, 0.75, 0.05, 0.72, 0.07))
         s.draw(LAMP, (0.56, 0.85, 0.09))
         s.draw(METAL, (0.36, 1.02, 0.46, 0.85, 0.04))
@@ -173,50 +161,42 @@ def traffic_light(lit: int, arm: bool) -> Sprite:
     return s.finish()
 
 
-SIGNS = {
-    "limit": "c4181c f0f0ec 181818",
-    "triangle": "c4181c f0f0ec 181818",
-    "yield": "c4181c f0f0ec f0f0ec",
-    "blue": "1c50aa 1c50aa f0f0f0",
-    "priority": "f0f0ec f0c41e f0c41e",
-    "stop": "c4181c c4181c f0f0ec",
-    "board": "f0f0f0 1c50aa f0f0f0",
-    "direction": "f0f0f0 1e4696 ececec",
+_OUTLINES: dict[str, Callable[[np.ndarray, np.ndarray, float], np.ndarray]] = {
+    "disc": lambda x, y, size: x**2 + y**2 <= size**2,
+    "triangle": lambda x, y, size: (y >= -0.35 * size) & (x <= (0.5 * size - y) * 0.58),
+    "yield": lambda x, y, size: (-y >= -0.35 * size) & (x <= (0.5 * size + y) * 0.58),
+    "diamond": lambda x, y, size: x + np.abs(y) <= size,
+    "octagon": lambda x, y, size: (x <= size) & (np.abs(y) <= size) & (x + np.abs(y) <= 0.65),
+    "upright": lambda x, y, size: (x <= size) & (np.abs(y) <= size + 0.1),
+    "wide": lambda x, y, size: (x <= size) & (y >= 0.4 - size) & (y <= size - 0.55),
 }
-"""Kinds of traffic sign, with the colours of rim, plate and symbol."""
+_BARS = ((-0.17, -0.15, -0.04, 0.15), (0.04, -0.15, 0.17, 0.15))
+_LINES = ((-0.8, -0.4, 0.5, -0.3), (-0.8, 0, 0.5, 0.1), (-0.8, 0.3, 0.5, 0.4))
+SIGNS: dict[str, tuple[str, str, float, float, tuple[tuple[float, float, float, float], ...]]] = {
+    "limit": ("c4181c f0f0ec 181818", "disc", 0.48, 0.37, _BARS),
+    "triangle": ("c4181c f0f0ec 181818", "triangle", 0.95, 0.62, ((-0.05, -0.15, 0.05, 0.12),)),
+    "yield": ("c4181c f0f0ec f0f0ec", "yield", 0.95, 0.62, ()),
+    "blue": ("1c50aa 1c50aa f0f0f0", "disc", 0.48, 0.37, _BARS),
+    "priority": ("f0f0ec f0c41e f0c41e", "diamond", 0.55, 0.4, ()),
+    "stop": ("c4181c c4181c f0f0ec", "octagon", 0.46, 0.46, ((-0.34, -0.09, 0.34, 0.09),)),
+    "board": ("f0f0f0 1c50aa f0f0f0", "upright", 0.45, 0.39, ((-0.2, -0.25, 0.2, 0.2),)),
+    "direction": ("f0f0f0 1e4696 ececec", "wide", 1.15, 1.08, _LINES),
+}
+"""Traffic signs: colours of rim, plate and symbol, outline, sizes of rim and plate, and boxes of the symbol, metres."""
 
 
 @cache
 def sign(kind: str) -> Sprite:
     """A traffic sign on its post, one of `SIGNS`."""
-    if kind == "direction":
-        s = Sketch(2.4, 3.4)
+    _, outline, *sizes, symbol = SIGNS[kind]
+    s, middle = Sketch(2.4 if outline == "wide" else 1.1, 3.4), 2.75
+    if outline == "wide":
         s.box(POST, (-0.75, 0, -0.65, 3.3), (0.65, 0, 0.75, 3.3))
-        s.box(RIM, (-1.15, 2.0, 1.15, 3.35))
-        s.box(PLATE, (-1.08, 2.07, 1.08, 3.28))
-        s.box(SYMBOL, *((-0.8, y, 0.5, y + 0.1) for y in (2.35, 2.75, 3.05)))
-        return s.finish()
-    s, y = Sketch(1.1, 3.4), 2.75
-    s.box(POST, (-0.06, 0, 0.06, 3.0))
-    if kind in ("limit", "blue"):
-        s.draw(RIM, (0, y, 0.48))
-        s.draw(PLATE, (0, y, 0.37))
-        s.box(SYMBOL, (-0.17, y - 0.15, -0.04, y + 0.15), (0.04, y - 0.15, 0.17, y + 0.15))
-    elif kind in ("triangle", "yield"):
-        s.triangle(RIM, y, 0.95, kind == "triangle")
-        s.triangle(PLATE, y, 0.62, kind == "triangle")
-        if kind == "triangle":
-            s.box(SYMBOL, (-0.05, y - 0.15, 0.05, y + 0.12))
-    elif kind == "priority":
-        s.octagon(RIM, y, 0.55, 0.55)
-        s.octagon(PLATE, y, 0.4, 0.4)
-    elif kind == "stop":
-        s.octagon(PLATE, y, 0.46, 0.65)
-        s.box(SYMBOL, (-0.34, y - 0.09, 0.34, y + 0.09))
     else:
-        s.box(RIM, (-0.45, y - 0.55, 0.45, y + 0.55))
-        s.box(PLATE, (-0.39, y - 0.49, 0.39, y + 0.49))
-        s.box(SYMBOL, (-0.2, y - 0.25, 0.2, y + 0.2))
+        s.box(POST, (-0.06, 0, 0.06, 3.0))
+    for part, size in zip((RIM, PLATE), sizes, strict=True):
+        s.parts[_OUTLINES[outline](np.abs(s.x), s.y - middle, size)] = part
+    s.box(SYMBOL, *((x0, middle + y0, x1, middle + y1) for x0, y0, x1, y1 in symbol))
     return s.finish()
 
 

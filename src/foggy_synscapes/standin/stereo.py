@@ -6,8 +6,8 @@ Fog made from it is what "partially synthetic" means: real texture, imperfect de
 import numpy as np
 
 from foggy_synscapes.standin.canvas import FARTHEST
-from foggy_synscapes.standin.noise import upsample
 from foggy_synscapes.standin.render import EGO, Scene
+from foggy_synscapes.standin.style import upsample
 
 BASELINE = 0.209313
 """Metres between the two cameras of Cityscapes."""

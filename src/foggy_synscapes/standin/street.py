@@ -6,8 +6,7 @@ import numpy as np
 
 from foggy_synscapes.standin import textures
 from foggy_synscapes.standin.canvas import FARTHEST, TOP, Canvas, Hit, Solid
-from foggy_synscapes.standin.noise import noise
-from foggy_synscapes.standin.style import ID, colour
+from foggy_synscapes.standin.style import ID, colour, noise
 
 FIRST, LAST = 2.0, 0.9 * FARTHEST
 """Metres along the street between which things stand."""

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from foggy_synscapes.standin.canvas import RIGHT, TOP, Hit, Shader
-from foggy_synscapes.standin.noise import noise
-from foggy_synscapes.standin.style import Style, colour
+from foggy_synscapes.standin.style import Style, colour, noise
 
 GLASS = colour("222a32")
 

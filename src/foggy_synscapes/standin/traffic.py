@@ -22,26 +22,16 @@ _TROUSERS = "222636 32466e 1a1a1c 786c58 5a5c60"
 _HELMETS = "3c5aaa d2d2ce 1e1e22 be2828"
 
 
-@dataclass(frozen=True)
-class Placed:
-    """A vehicle ready to paint; its middle in metres, its heading in radians."""
-
-    name: str
-    vehicle: vehicles.Vehicle
-    x: float
-    z: float
-    heading: float
-
-
 @dataclass
 class Traffic:
     """What was placed: for each instance the kind it counts as in the scene keys, and how far away it is, in metres.
 
-    vehicles : those to paint; taken : rectangles of ground, their middle and half their size
+    placed : class, shape, x and z of the middle in metres, and heading in radians of each
+    taken : rectangles of ground, their middle and half their size in metres
     """
 
     instances: dict[int, tuple[str, float]] = field(default_factory=dict)
-    vehicles: list[Placed] = field(default_factory=list)
+    placed: list[tuple[str, vehicles.Vehicle, float, float, float]] = field(default_factory=list)
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
 
     def new(self, name: str, kind: str, x: float, z: float) -> int:
@@ -54,9 +44,8 @@ class Traffic:
 
     def free(self, x: float, z: float, half_x: float, half_z: float) -> bool:
         """Claim a rectangle of ground; False if somebody is there."""
-        for other_x, other_z, other_half_x, other_half_z in self.taken:
-            if abs(x - other_x) < half_x + other_half_x and abs(z - other_z) < half_z + other_half_z:
-                return False
+        if any(abs(x - a) < half_x + half_a and abs(z - b) < half_z + half_b for a, b, half_a, half_b in self.taken):
+            return False
         self.taken.append((x, z, half_x, half_z))
         return True
 
@@ -72,7 +61,7 @@ def place_vehicles(street: Street, style: Style) -> Traffic:
         half_x = (cos * vehicle.width + sin * vehicle.length) / 2 + 0.2
         half_z = (cos * vehicle.length + sin * vehicle.width) / 2 + 0.4
         if traffic.free(x, z + half_z, half_x, half_z):
-            traffic.vehicles.append(Placed(name, vehicle, x, z + half_z, heading))
+            traffic.placed.append((name, vehicle, x, z + half_z, heading))
         return 2 * half_z
 
     nearest = 26.0 if style.weather.blue else 9.0  # tall vehicles leave the blue sky in view
@@ -101,17 +90,17 @@ def place_vehicles(street: Street, style: Style) -> Traffic:
 
 def paint_vehicles(canvas: Canvas, traffic: Traffic) -> None:
     """Paint the placed vehicles as instances."""
-    for placed in traffic.vehicles:
-        number = traffic.new(placed.name, "buses" if placed.name == "bus" else f"{placed.name}s", placed.x, placed.z)
-        for solid, shader in placed.vehicle.pieces:
-            canvas.solid(solid, shader, ID[placed.name], (placed.x, 0.0, placed.z), placed.heading, number)
+    for name, vehicle, x, z, heading in traffic.placed:
+        number = traffic.new(name, "buses" if name == "bus" else f"{name}s", x, z)
+        for solid, shader in vehicle.pieces:
+            canvas.solid(solid, shader, ID[name], (x, 0.0, z), heading, number)
 
 
 def paint_shadows(canvas: Canvas, traffic: Traffic) -> None:
     """Soft dark ground below the vehicles; harder under direct sun."""
-    for placed in traffic.vehicles:
-        half = placed.vehicle.width / 2 + 0.25, placed.vehicle.length / 2 + 0.25
-        canvas.shadow((placed.x, placed.z), half, placed.heading, 0.42 + 0.25 * canvas.style.weather.direct)
+    for _, vehicle, x, z, heading in traffic.placed:
+        half = vehicle.width / 2 + 0.25, vehicle.length / 2 + 0.25
+        canvas.shadow((x, z), half, heading, 0.42 + 0.25 * canvas.style.weather.direct)
 
 
 def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foggy_synscapes.standin.canvas import BACK, FRONT, LEFT, RIGHT, TOP, Hit, Shader, Solid
-from foggy_synscapes.standin.noise import noise
-from foggy_synscapes.standin.style import Style, colour
+from foggy_synscapes.standin.style import Style, colour, noise
 from foggy_synscapes.standin.textures import GLASS
 
 RUBBER, LIGHT, TAIL = colour("161618"), colour("ececdc"), colour("b21412")

@@ -39,26 +39,26 @@ def name(plan: Any, split: str, number: int) -> str:
 def scene(seed: int, size: tuple[int, int], split: str, number: int) -> tuple[Scene, np.ndarray]:
     """Frame `number` (from 0) of a split, of `size` rows and columns, and its measured disparity, uint16 (H, W)."""
     stream = seed, STREAMS[split]
-    shown = render((*stream, number), size, "real", blue=is_blue(stream, number), hood=True, spread=0.1)
+    shown = render((*stream, number), size, real=True, blue=is_blue(stream, number), hood=True)
     return shown, stereo.measure(shown, np.random.default_rng((*stream, number, 1)))
 
 
 def _render(seed: int, size: tuple[int, int], split: str, number: int) -> list[Any]:
     shown, disparity = scene(seed, size, split, number)
-    intrinsic = {key: value for key, value in shown.rig.intrinsic().items() if key not in ("resx", "resy")}
-    camera = {"extrinsic": {"baseline": stereo.BASELINE, **shown.rig.extrinsic()}, "intrinsic": intrinsic}
+    camera = shown.rig.metadata()
+    camera["extrinsic"]["baseline"] = stereo.BASELINE
+    del camera["intrinsic"]["resx"], camera["intrinsic"]["resy"]
     return [shown.rgb, shown.label_ids, shown.instance_ids(), disparity, camera]
 
 
 def _frames(plan: Any) -> list[Frame]:
     kinds = cityscapes.image, cityscapes.labels, cityscapes.instances, cityscapes.disparity, cityscapes.camera
-    return [
-        Frame(
-            [kind(name(plan, split, number)) for kind in kinds], partial(_render, plan.seed, plan.size, split, number)
-        )
-        for split in CITIES
-        for number in range(getattr(plan.cityscapes, split))
-    ]
+    found = []
+    for split in CITIES:
+        for number in range(getattr(plan.cityscapes, split)):
+            paths = [kind(name(plan, split, number)) for kind in kinds]
+            found.append(Frame(paths, partial(_render, plan.seed, plan.size, split, number)))
+    return found
 
 
 STAND_IN = StandIn(counts=CityscapesCounts, text="of each split", published="2,975 and 500", frames=_frames)

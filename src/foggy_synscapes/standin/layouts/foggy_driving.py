@@ -41,7 +41,7 @@ def photograph(seed: int, size: tuple[int, int], coarse: bool, number: int) -> S
     """Frame `number` (from 0) of the coarsely or finely annotated part; its size varies about `size`."""
     key = (seed, COARSE if coarse else FINE, number)
     shares = SIZES[np.random.default_rng((*key, 2)).integers(len(SIZES))]
-    rows, columns = (max(16, round(length * share)) for length, share in zip(size, shares, strict=True))
+    rows, columns = (round(length * share) for length, share in zip(size, shares, strict=True))
     shot = fog.photograph(key, (rows, columns), BETAS[number % len(BETAS)], trains=True)
     return replace(shot, label_ids=coarsen(shot.label_ids)) if coarse else shot
 

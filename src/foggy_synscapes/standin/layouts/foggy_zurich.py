@@ -22,8 +22,8 @@ SEQUENCES = ("GP010229", "GP020397")
 
 def photograph(seed: int, size: tuple[int, int], number: int) -> Scene:
     """Frame `number` (from 0), as wide as `size`, 16 : 9 and without trains."""
-    rows = max(16, round(size[1] * 9 / 16))
-    return fog.photograph((seed, STREAM, number), (rows, size[1]), BETAS[number % len(BETAS)], trains=False)
+    rows, columns = round(size[1] * 9 / 16), size[1]
+    return fog.photograph((seed, STREAM, number), (rows, columns), BETAS[number % len(BETAS)], trains=False)
 
 
 def _render(seed: int, size: tuple[int, int], number: int) -> list[Any]:

@@ -17,7 +17,7 @@ STREAM = 1
 
 def scene(seed: int, size: tuple[int, int], number: int) -> Scene:
     """Frame `number` (from 0), of `size` rows and columns."""
-    return render((seed, STREAM, number), size, "synthetic", blue=is_blue((seed, STREAM), number))
+    return render((seed, STREAM, number), size, real=False, blue=is_blue((seed, STREAM), number))
 
 
 def instance_colours(instances: np.ndarray) -> np.ndarray:
@@ -31,8 +31,7 @@ def instance_colours(instances: np.ndarray) -> np.ndarray:
 
 def _render(seed: int, size: tuple[int, int], number: int) -> list[Any]:
     shown = scene(seed, size, number)
-    camera = {"extrinsic": shown.rig.extrinsic(), "intrinsic": shown.rig.intrinsic()}
-    meta = {"camera": camera, "instance": shown.instance, "scene": shown.scene}
+    meta = {"camera": shown.rig.metadata(), "instance": shown.instance, "scene": shown.scene}
     return [shown.rgb, shown.depth, shown.label_ids, instance_colours(shown.instances), meta]
 
 
