@@ -85,17 +85,8 @@ def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float) -
         return round(float(value + spread * rng.uniform(-width, width)), 6)
 
     zoom = 1.0 + spread * rng.uniform(-0.04, 0.04)
-    return Rig(
-        fx=round(FX * scale * zoom, 5),
-        fy=round(FY * scale * zoom, 5),
-        u0=vary(U0 * scale, 0.01 * columns),
-        v0=vary(V0 / ROWS * rows, 0.01 * rows),
-        resx=columns,
-        resy=rows,
-        pitch=vary(PITCH, 0.012),
-        roll=vary(0.0, 0.006),
-        yaw=vary(YAW, 0.03),
-        x=vary(MOUNT_X, 0.2),
-        y=vary(MOUNT_Y, 0.05),
-        z=vary(HEIGHT, 0.15),
-    )
+    fx, fy = round(FX * scale * zoom, 5), round(FY * scale * zoom, 5)
+    u0, v0 = vary(U0 * scale, 0.01 * columns), vary(V0 / ROWS * rows, 0.01 * rows)
+    pitch, roll, yaw = vary(PITCH, 0.012), vary(0.0, 0.006), vary(YAW, 0.03)
+    x, y, z = vary(MOUNT_X, 0.2), vary(MOUNT_Y, 0.05), vary(HEIGHT, 0.15)
+    return Rig(fx, fy, u0, v0, columns, rows, pitch, roll, yaw, x, y, z)

@@ -6,6 +6,7 @@ hidden or not, for the metadata.
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import reduce
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from foggy_synscapes.standin.camera import Rig
-from foggy_synscapes.standin.sprites import LABELS, PARTS, Sprite
+from foggy_synscapes.standin.sprites import LABELS, Sprite
 from foggy_synscapes.standin.style import Style
 
 SKY_NEAR, SKY_FAR = 7900.0, 8900.0
@@ -29,6 +30,15 @@ LEFT, RIGHT, BOTTOM, TOP, FRONT, BACK = range(6)
 """Faces of a solid; the front faces towards -z."""
 
 Point = tuple[float, float, float]
+"""x, y and z in metres."""
+
+Place = tuple[float, float, float, float]
+"""x, y and z in metres, and a turn about the vertical axis in radians."""
+
+ORIGIN = (0.0, 0.0, 0.0, 0.0)
+
+STRIDE = 10000
+"""Road users are instances numbered labelId * STRIDE + n, so that all three bytes of the encoding occur."""
 
 
 @dataclass
@@ -80,6 +90,12 @@ class Trace:
     far: float = 0.0
     corners: list[np.ndarray] = field(default_factory=list)
 
+    def add(self, pixels: np.ndarray, depth: np.ndarray) -> None:
+        """Take in pixels, given by their places in the flat image."""
+        if pixels.size:
+            self.extent.reshape(-1)[pixels] = True
+            self.near, self.far = min(self.near, float(depth.min())), max(self.far, float(depth.max()))
+
 
 class Canvas:
     """RGB in [0, 1], planar depth, labelIds and instance numbers of a frame, arrays (H, W) and (H, W, 3)."""
@@ -92,7 +108,7 @@ class Canvas:
         self.depth = np.full(size, np.inf, np.float32)
         self.label = np.zeros(size, np.uint8)
         self.instance = np.zeros(size, np.uint32)
-        self.traces: dict[int, Trace] = {}
+        self.traces = defaultdict[int, Trace](lambda: Trace(np.zeros(size, bool)))
         self._pixels = np.arange(self.depth.size).reshape(size)
 
     def paint(self, pixels: np.ndarray, depth: Any, rgb: np.ndarray, label: Any, instance: Any = 0) -> None:
@@ -101,22 +117,15 @@ class Canvas:
         for values, new in ((self.depth, depth), (self.label, label), (self.instance, instance)):
             values.reshape(-1)[pixels] = new
 
-    def solid(
-        self,
-        solid: Solid,
-        shader: Shader,
-        label: int,
-        position: Point = (0.0, 0.0, 0.0),
-        heading: float = 0.0,
-        instance: int = 0,
-    ) -> None:
-        """Paint a solid at a world position, turned by `heading` radians about the vertical axis."""
+    def solid(self, solid: Solid, shader: Shader, label: int, place: Place = ORIGIN, instance: int = 0) -> None:
+        """Paint a solid."""
+        *position, heading = place
         cos, sin = math.cos(heading), math.sin(heading)
         x, y, z = solid.corners().T
         x, z = _turned(cos, -sin, x, z)
         world = np.stack([x, y, z], axis=1) + position
         if instance:
-            self._trace(instance).corners.append(self.rig.to_camera(world))
+            self.traces[instance].corners.append(self.rig.to_camera(world))
         window = self._window(world)
         if window is None:
             return
@@ -157,7 +166,7 @@ class Canvas:
         if keep is not None:
             pixels, near, rgb = pixels[keep], near[keep], rgb[keep]
         if instance:
-            self._trace_pixels(instance, pixels, near)
+            self.traces[instance].add(pixels, near)
             front = near < self.depth.take(pixels)
             pixels, near, rgb = pixels[front], near[front], rgb[front]
         self.paint(pixels, near, rgb, label, instance)
@@ -167,15 +176,14 @@ class Canvas:
         sprite: Sprite,
         foot: Point,
         colours: np.ndarray,
-        labels: np.ndarray = LABELS,
-        instances: np.ndarray | None = None,
+        numbers: np.ndarray = LABELS,
         scale: float = 1.0,
         flip: bool = False,
     ) -> None:
         """Paint an upright sprite that faces the camera, its foot at a world position.
 
-        `colours` float32 (P, 3), `labels` uint8 (P,) and `instances` uint32 (P,) are looked up by the sprite's parts;
-        part 0 is transparent.
+        `colours` float32 (P, 3) and `numbers` uint32 (P,), labelIds or instance numbers, are looked up by the sprite's
+        parts; part 0 is transparent.
         """
         x, y, depth = self.rig.to_camera(np.array([foot]))[0].tolist()
         width, height = sprite.width * scale, sprite.height * scale
@@ -193,16 +201,20 @@ class Canvas:
         inside = parts > 0
         parts, shade, pixels = parts[inside], shade[inside], (rows[:, None] * right + columns)[inside]
         away = np.float32(depth)
-        numbers = np.zeros(PARTS, np.uint32) if instances is None else instances
         box = np.array(list(product((x - width / 2, x + width / 2), (y, y - height), (depth, depth + 0.4))))
-        for number in {*numbers.tolist()} - {0}:
-            self._trace(number).corners.append(box)
-            self._trace_pixels(number, pixels[numbers[parts] == number], away)
+        for number in {*numbers.tolist()}:
+            if number > STRIDE:
+                self.traces[number].corners.append(box)
+                self.traces[number].add(pixels[numbers[parts] == number], away)
         front = away < self.depth.take(pixels)
         parts, shade, pixels = parts[front], shade[front], pixels[front]
         upright = self.style.weather.ambient + 0.45 * self.style.weather.direct
         rgb = colours[parts] * (shade * np.float32(upright))[:, None]
-        self.paint(pixels, away, rgb, labels[parts], numbers[parts])
+        labels, instances = (
+            np.where(numbers < STRIDE, numbers, numbers // STRIDE),
+            np.where(numbers < STRIDE, 0, numbers),
+        )
+        self.paint(pixels, away, rgb, labels[parts], instances[parts])
 
     def shadow(self, centre: tuple[float, float], half: tuple[float, float], heading: float, strength: float) -> None:
         """Darken the ground around (x, z) with a soft ellipse of half axes `half`, metres."""
@@ -228,18 +240,6 @@ class Canvas:
                 return None
             ranges.append(slice(first, end))
         return ranges[0], ranges[1]
-
-    def _trace(self, instance: int) -> Trace:
-        if instance not in self.traces:
-            self.traces[instance] = Trace(np.zeros(self.depth.shape, bool))
-        return self.traces[instance]
-
-    def _trace_pixels(self, instance: int, pixels: np.ndarray, depth: np.ndarray) -> None:
-        if pixels.size:
-            trace = self.traces[instance]
-            trace.extent.reshape(-1)[pixels] = True
-            trace.near = min(trace.near, float(depth.min()))
-            trace.far = max(trace.far, float(depth.max()))
 
 
 def _turned(cos: float, sin: float, x: Any, z: Any) -> tuple[Any, Any]:

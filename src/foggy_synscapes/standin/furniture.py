@@ -3,9 +3,9 @@
 import numpy as np
 
 from foggy_synscapes.standin import sprites, textures
-from foggy_synscapes.standin.canvas import Canvas, Solid
+from foggy_synscapes.standin.canvas import Canvas, Point, Solid
 from foggy_synscapes.standin.street import Street
-from foggy_synscapes.standin.style import Style, colour
+from foggy_synscapes.standin.style import Style, colour, palette
 
 STATIC = 4
 """labelId of street clutter: void in the evaluation."""
@@ -46,7 +46,7 @@ def paint_furniture(canvas: Canvas, street: Street) -> None:
             post = sprites.post(rng.choice(["pole", "bollard", "bollard"]))
             canvas.sprite(post, (edge, level, along(7, 45)), colours)
         if rng.random() < 0.4:
-            place = side.back - sign * 0.6, level, along(8, 40)
+            place = side.back - sign * 0.6, level, along(8, 40), 0.0
             litter_bin = Solid((-0.35, 0.35), (0, 1.1), (-0.35, 0.35))
             canvas.solid(litter_bin, textures.plain(style, "46544a", style.grain), STATIC, place)
     lights = [street.crossing[0] - 1.0] * 2 if street.crossing else []
@@ -65,17 +65,17 @@ def _post_colours(style: Style) -> np.ndarray:
     return colours
 
 
-def _paint_sign(canvas: Canvas, foot: tuple[float, float, float]) -> None:
+def _paint_sign(canvas: Canvas, foot: Point) -> None:
     style, rng = canvas.style, canvas.style.rng
     kind = list(sprites.SIGNS)[rng.integers(len(sprites.SIGNS))]
     colours, parts = _post_colours(style), [sprites.RIM, sprites.PLATE, sprites.SYMBOL]
-    colours[parts] = [colour(code) * np.float32(0.92) for code in sprites.SIGNS[kind][0].split()]
+    colours[parts] = palette(sprites.SIGNS[kind][0]) * np.float32(0.92)
     if rng.random() < 0.2:  # seen from behind
         colours[parts] = colour("96989a")
     canvas.sprite(sprites.sign(kind), foot, colours, scale=rng.uniform(0.9, 1.1))
 
 
-def _paint_plant(canvas: Canvas, foot: tuple[float, float, float], kind: int) -> None:
+def _paint_plant(canvas: Canvas, foot: Point, kind: int) -> None:
     style, rng, colours = canvas.style, canvas.style.rng, sprites.COLOURS.copy()
     leaf = style.pick(_LEAVES) * np.float32(rng.uniform(0.8, 1.15))
     for part, light in ((sprites.LEAF, 1.0), (sprites.LEAF_LIT, 1.35), (sprites.LEAF_DARK, 0.6)):

@@ -10,9 +10,9 @@ from itertools import product
 import numpy as np
 
 from foggy_synscapes.standin.camera import Rig
-from foggy_synscapes.standin.canvas import Canvas
+from foggy_synscapes.standin.canvas import STRIDE, Canvas
 from foggy_synscapes.standin.street import Street
-from foggy_synscapes.standin.traffic import STRIDE, Traffic
+from foggy_synscapes.standin.traffic import Traffic
 
 KINDS = ("bicyclists", "buses", "cars", "motorcyclists", "pedestrians", "trains", "trucks")
 """Road users that the scene keys count."""

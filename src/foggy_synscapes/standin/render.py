@@ -6,7 +6,7 @@ import numpy as np
 
 from foggy_synscapes.standin import furniture, metadata, street, traffic
 from foggy_synscapes.standin.camera import Rig, sample_rig
-from foggy_synscapes.standin.canvas import FARTHEST, SKY_FAR, SKY_NEAR, Canvas
+from foggy_synscapes.standin.canvas import FARTHEST, SKY_FAR, SKY_NEAR, STRIDE, Canvas
 from foggy_synscapes.standin.style import ID, Style, colour, sample_weather, upsample
 
 EGO = 1
@@ -34,7 +34,7 @@ class Scene:
 
     def instance_ids(self) -> np.ndarray:
         """Cityscapes' instanceIds, uint16 (H, W): labelId * 1000 + n on road users, the labelId elsewhere."""
-        numbered = self.instances // traffic.STRIDE * 1000 + self.instances % traffic.STRIDE
+        numbered = self.instances // STRIDE * 1000 + self.instances % STRIDE
         return np.where(self.instances > 0, numbered, self.label_ids).astype(np.uint16)
 
 

@@ -5,12 +5,11 @@ so that one figure serves every coat and a rider and a bicycle stay two instance
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from foggy_synscapes.standin.style import ID, NOISE, colour
+from foggy_synscapes.standin.style import ID, NOISE, palette
 
 PIXELS_PER_METRE = 80
 
@@ -19,34 +18,22 @@ SKIN, HAIR, COAT, TROUSERS, SHOES, BAG, WHEEL, HUB, BODY, METAL, LAMP = range(1,
 POST, BAND, PLATE, RIM, SYMBOL, CASE, RED, AMBER, GREEN, TRUNK, LEAF, LEAF_LIT, LEAF_DARK = range(12, 25)
 PARTS = 25
 
-LABELS = np.repeat(
-    np.array([0, *(ID[name] for name in ("person", "bicycle", "pole", "traffic sign", "traffic light", "vegetation"))]),
-    (1, 6, 5, 2, 3, 4, 4),
-).astype(np.uint8)
+_OF = {"person": 6, "bicycle": 5, "pole": 2, "traffic sign": 3, "traffic light": 4, "vegetation": 4}
+LABELS = np.array([0] + [ID[name] for name, parts in _OF.items() for _ in range(parts)])
 """labelId of each part, where nothing else is said."""
 
 COLOURS = np.zeros((PARTS, 3), np.float32)
 """Colour of each part that always has the same."""
 
-for _parts, _codes in (
-    ((SHOES, BAG, WHEEL, METAL), "282422 5c3c2c 1a1a1c 74767a"),
-    ((BAND, CASE, RED, AMBER, GREEN, TRUNK), "dcd8c8 1a1c1c ff3c28 ffbe32 3cf096 4a3c30"),
-):
-    COLOURS[list(_parts)] = [colour(_code) for _code in _codes.split()]
+COLOURS[[SHOES, BAG, WHEEL, METAL, BAND]] = palette("282422 5c3c2c 1a1a1c 74767a dcd8c8")
+COLOURS[[CASE, RED, AMBER, GREEN, TRUNK]] = palette("1a1c1c ff3c28 ffbe32 3cf096 4a3c30")
 
 
-@dataclass(frozen=True)
 class Sprite:
-    """Part numbers uint8 (h, w), 0 transparent; shade float32 (h, w); width and height in metres."""
+    """A drawing board of `width` x `height` metres, x from the middle, y up from the foot.
 
-    parts: np.ndarray
-    shade: np.ndarray
-    width: float
-    height: float
-
-
-class Sketch:
-    """A drawing board in metres, x from the middle, y up from the foot."""
+    parts : uint8 (h, w), 0 transparent; shade : float (h, w), from left to right and up
+    """
 
     def __init__(self, width: float, height: float, resolution: int = PIXELS_PER_METRE) -> None:
         self.width, self.height = width, height
@@ -54,6 +41,8 @@ class Sketch:
         self.parts = np.zeros((rows, columns), np.uint8)
         self.x = ((np.arange(columns) + 0.5) / columns - 0.5)[None, :] * width
         self.y = (1 - (np.arange(rows) + 0.5) / rows)[:, None] * height
+        tone = 1.0 + 0.16 * np.clip(self.x / (width / 2), -1, 1)
+        self.shade = (tone * (0.9 + 0.1 * np.clip(self.y / height, 0, 1))).astype(np.float32)
 
     def draw(self, part: int, *shapes: tuple[float, ...]) -> None:
         """Discs (x, y, radius), perhaps with a height as a share of their width, and strokes from a point to another.
@@ -77,18 +66,11 @@ class Sketch:
         for x0, y0, x1, y1 in corners:
             self.parts[(self.x >= x0) & (self.x <= x1) & (self.y >= y0) & (self.y <= y1)] = part
 
-    def finish(self, shade: np.ndarray | None = None) -> Sprite:
-        """The sprite, shaded from left to right unless told otherwise."""
-        if shade is None:
-            tone = 1.0 + 0.16 * np.clip(self.x / (self.width / 2), -1, 1)
-            shade = tone * (0.9 + 0.1 * np.clip(self.y / self.height, 0, 1))
-        return Sprite(self.parts, np.ascontiguousarray(shade, dtype=np.float32), self.width, self.height)
-
 
 @cache
 def person(pose: int) -> Sprite:
     """A standing or walking person of 1.75 m; poses 0 to 3."""
-    s = Sketch(0.95, 1.85)
+    s = Sprite(0.95, 1.85)
     stride, swing = ((0.03, 0.05), (0.2, 0.16), (0.28, 0.22), (0.1, 0.3))[pose]
     s.draw(TROUSERS, *((a * 0.06, 0.9, a * (0.09 + stride), 0.07, 0.1, 0.06) for a in (-1, 1)))
     s.draw(SHOES, (-0.1 - stride, 0.05, -0.02 - stride, 0.05, 0.05), (0.08 + stride, 0.05, 0.18 + stride, 0.05, 0.05))
@@ -100,13 +82,13 @@ def person(pose: int) -> Sprite:
     s.draw(SKIN, (0, 1.48, 0, 1.56, 0.06))
     s.draw(HAIR, (0, 1.67, 0.115, 1.2))
     s.draw(SKIN, (0.03, 1.63, 0.09, 1.2))
-    return s.finish()
+    return s
 
 
 @cache
 def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
     """A bicycle or motorcycle, seen from the side or from behind, with or without its rider."""
-    s = Sketch(2.2 if side else 1.0, 1.85)
+    s = Sprite(2.2 if side else 1.0, 1.85)
     motor = kind == "motorcycle"
     if side:
         axle, hub = (0.62, 0.2) if motor else (0.54, 0.27)
@@ -144,13 +126,13 @@ def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
         s.draw(COAT, (0, 1.0, 0, 1.36, 0.19, 0.21), (-0.2, 1.38, -0.3, 1.06, 0.065), (0.2, 1.38, 0.3, 1.06, 0.065))
         s.draw(SKIN, (0, 1.62, 0.12, 1.15))
         s.draw(HAIR, (0, 1.69, 0.135, 0.8))
-    return s.finish()
+    return s
 
 
 @cache
 def traffic_light(lit: int, arm: bool) -> Sprite:
     """A traffic light on its post, with red, amber or green lit (0, 1, 2); with `arm` over the road on a mast."""
-    s = Sketch(4.0 if arm else 0.6, 5.9 if arm else 3.6, 40 if arm else PIXELS_PER_METRE)
+    s = Sprite(4.0 if arm else 0.6, 5.9 if arm else 3.6, 40 if arm else PIXELS_PER_METRE)
     if arm:
         s.box(POST, (1.6, 0, 1.8, 5.5), (-1.7, 5.3, 1.8, 5.48))
     else:
@@ -158,7 +140,7 @@ def traffic_light(lit: int, arm: bool) -> Sprite:
     for x, y in ((-1.5, 4.5), (1.45, 2.5)) if arm else ((0.0, 2.35),):
         s.box(CASE, (x - 0.24, y, x + 0.24, y + 1.22))
         s.draw((RED, AMBER, GREEN)[lit], (x, y + 0.98 - 0.37 * lit, 0.16))
-    return s.finish()
+    return s
 
 
 _OUTLINES: dict[str, Callable[[np.ndarray, np.ndarray, float], np.ndarray]] = {
@@ -189,7 +171,7 @@ SIGNS: dict[str, tuple[str, str, float, float, tuple[tuple[float, float, float, 
 def sign(kind: str) -> Sprite:
     """A traffic sign on its post, one of `SIGNS`."""
     _, outline, *sizes, symbol = SIGNS[kind]
-    s, middle = Sketch(2.4 if outline == "wide" else 1.1, 3.4), 2.75
+    s, middle = Sprite(2.4 if outline == "wide" else 1.1, 3.4), 2.75
     if outline == "wide":
         s.box(POST, (-0.75, 0, -0.65, 3.3), (0.65, 0, 0.75, 3.3))
     else:
@@ -197,14 +179,14 @@ def sign(kind: str) -> Sprite:
     for part, size in zip((RIM, PLATE), sizes, strict=True):
         s.parts[_OUTLINES[outline](np.abs(s.x), s.y - middle, size)] = part
     s.box(SYMBOL, *((x0, middle + y0, x1, middle + y1) for x0, y0, x1, y1 in symbol))
-    return s.finish()
+    return s
 
 
 @cache
 def post(kind: str) -> Sprite:
     """A "lamp" of 7 m, a plain "pole" of 5 m or a "bollard" of 1 m."""
     width, height, resolution = {"lamp": (2.4, 7, 40), "pole": (0.4, 5, 80), "bollard": (0.3, 1, 80)}[kind]
-    s = Sketch(width, height, resolution)
+    s = Sprite(width, height, resolution)
     if kind == "lamp":
         s.draw(POST, (-1.0, 0.0, -1.0, 6.6, 0.13, 0.08), (-1.0, 6.6, 0.4, 6.85, 0.06))
         s.box(POST, (0.3, 6.72, 1.0, 6.9))
@@ -213,14 +195,14 @@ def post(kind: str) -> Sprite:
     else:
         s.box(POST, (-0.1, 0, 0.1, 0.95))
         s.box(BAND, (-0.1, 0.7, 0.1, 0.85))
-    return s.finish()
+    return s
 
 
 @cache
 def tree(kind: int) -> Sprite:
     """One of six trees, 8 m high and 6 m wide, or (6, 7) one of two bushes, 2 m high and 3 m wide."""
     rng, bush = np.random.default_rng((8, kind)), kind >= 6
-    s = Sketch(3.0, 2.0, 60) if bush else Sketch(6.0, 8.0, 32)
+    s = Sprite(3.0, 2.0, 60) if bush else Sprite(6.0, 8.0, 32)
     light = np.zeros(s.parts.shape)
     rows, columns = s.parts.shape
     rough = NOISE[(np.arange(rows)[:, None] + 31 * kind) % 256, (np.arange(columns)[None, :] + 77 * kind) % 256]
@@ -236,4 +218,5 @@ def tree(kind: int) -> Sprite:
     leaves = s.parts == LEAF
     s.parts[leaves & (light > 0.35)] = LEAF_LIT
     s.parts[leaves & (light < -0.25)] = LEAF_DARK
-    return s.finish(1.0 + 0.22 * rough)
+    s.shade = 1.0 + 0.22 * rough
+    return s

@@ -19,13 +19,18 @@ BLUE_EVERY = 9
 """One frame of nine, 11 %, has a blue sky: enough for the filter to matter, few enough to fill the subsets."""
 
 
-def colour(code: str) -> np.ndarray:
-    """Float32 RGB in [0, 1] of a colour in the notation of CSS.
+def palette(codes: str) -> np.ndarray:
+    """Float32 RGB (N, 3) in [0, 1] of colours in the notation of CSS, separated by spaces.
 
-    >>> (colour("ff0033") * 255).tolist()
-    [255.0, 0.0, 51.0]
+    >>> (palette("ff0033 000000") * 255).tolist()
+    [[255.0, 0.0, 51.0], [0.0, 0.0, 0.0]]
     """
-    return np.frombuffer(bytes.fromhex(code), np.uint8).astype(np.float32) / np.float32(255)
+    return np.frombuffer(bytes.fromhex(codes), np.uint8).reshape(-1, 3).astype(np.float32) / np.float32(255)
+
+
+def colour(code: str) -> np.ndarray:
+    """One colour, see `palette`."""
+    return palette(code)[0]
 
 
 @dataclass(frozen=True)
@@ -59,9 +64,9 @@ class Style:
     weather: Weather
 
     def pick(self, codes: str) -> np.ndarray:
-        """One of several colours, see `colour`; their codes are separated by spaces."""
-        choices = codes.split()
-        return colour(choices[self.rng.integers(len(choices))])
+        """One of several colours, see `palette`."""
+        colours = palette(codes)
+        return colours[self.rng.integers(len(colours))]
 
 
 def is_blue(seed: tuple[int, ...], frame: int) -> bool:

@@ -1,7 +1,4 @@
-"""Road users: vehicles in their lanes, parked cars, people on the sidewalks and riders.
-
-Every road user is an instance numbered labelId * 10000 + n, so that all three bytes of the encoding occur.
-"""
+"""Road users: vehicles in their lanes, parked cars, people on the sidewalks and riders."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,11 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from foggy_synscapes.standin import sprites, vehicles
-from foggy_synscapes.standin.canvas import Canvas
+from foggy_synscapes.standin.canvas import STRIDE, Canvas, Point
 from foggy_synscapes.standin.street import Street
 from foggy_synscapes.standin.style import ID, Style, colour
-
-STRIDE = 10000
 
 _SKINS = "d6aa8c b48264 785440 e2bca0"
 _HAIRS = "281e18 5a4028 18181a 967850"
@@ -93,7 +88,7 @@ def paint_vehicles(canvas: Canvas, traffic: Traffic) -> None:
     for name, vehicle, x, z, heading in traffic.placed:
         number = traffic.new(name, "buses" if name == "bus" else f"{name}s", x, z)
         for solid, shader in vehicle.pieces:
-            canvas.solid(solid, shader, ID[name], (x, 0.0, z), heading, number)
+            canvas.solid(solid, shader, ID[name], (x, 0.0, z, heading), number)
 
 
 def paint_shadows(canvas: Canvas, traffic: Traffic) -> None:
@@ -146,19 +141,16 @@ def _clothes(style: Style) -> np.ndarray:
     return colours
 
 
-def _paint_person(canvas: Canvas, foot: tuple[float, float, float], traffic: Traffic) -> None:
+def _paint_person(canvas: Canvas, foot: Point, traffic: Traffic) -> None:
     rng, colours = canvas.style.rng, _clothes(canvas.style)
     sprite, scale, flip = sprites.person(rng.integers(4)), rng.uniform(0.85, 1.08), rng.random() < 0.5
     x, _, z = foot
     if traffic.free(x, z, 0.25, 0.15):
-        instances = np.full(sprites.PARTS, traffic.new("person", "pedestrians", x, z), np.uint32)
-        instances[0] = 0
-        canvas.sprite(sprite, foot, colours, sprites.LABELS, instances, scale, flip)
+        number = traffic.new("person", "pedestrians", x, z)
+        canvas.sprite(sprite, foot, colours, np.full(sprites.PARTS, number), scale, flip)
 
 
-def _paint_cycle(
-    canvas: Canvas, kind: str, foot: tuple[float, float, float], across: bool, ridden: bool, traffic: Traffic
-) -> None:
+def _paint_cycle(canvas: Canvas, kind: str, foot: Point, across: bool, ridden: bool, traffic: Traffic) -> None:
     style, colours = canvas.style, _clothes(canvas.style)
     colours[sprites.HUB] = colour("606264" if kind == "bicycle" else "36363a")
     colours[sprites.BODY] = style.pick(vehicles.PAINTS)
@@ -169,10 +161,7 @@ def _paint_cycle(
     x, _, z = foot
     if not traffic.free(x, z, 0.9 if across else 0.4, 0.4 if across else 0.9):
         return
-    labels = np.full(sprites.PARTS, ID[kind], np.uint8)
-    instances = np.full(sprites.PARTS, traffic.new(kind, "vehicles", x, z), np.uint32)
+    numbers = np.full(sprites.PARTS, traffic.new(kind, "vehicles", x, z))
     if ridden:
-        labels[: sprites.WHEEL] = ID["rider"]
-        instances[: sprites.WHEEL] = traffic.new("rider", f"{kind[:-1]}ists", x, z)
-    instances[0] = 0
-    canvas.sprite(sprites.cycle(kind, across, ridden), foot, colours, labels, instances, flip=flip)
+        numbers[: sprites.WHEEL] = traffic.new("rider", f"{kind[:-1]}ists", x, z)
+    canvas.sprite(sprites.cycle(kind, across, ridden), foot, colours, numbers, flip=flip)
