@@ -38,7 +38,7 @@ Place = tuple[float, float, float, float]
 ORIGIN = (0.0, 0.0, 0.0, 0.0)
 
 STRIDE = 10000
-"""Road users are instances numbered labelId * STRIDE + n, so that all three bytes of the encoding occur."""
+"""Road users are numbered labelId * STRIDE + n, so that all three bytes of the encoding occur."""
 
 
 @dataclass
@@ -98,7 +98,7 @@ class Trace:
 
 
 class Canvas:
-    """RGB in [0, 1], planar depth, labelIds and instance numbers of a frame, arrays (H, W) and (H, W, 3)."""
+    """RGB in [0, 1], planar depth and numbers (labelIds, or those of road users) of a frame: (H, W, 3), (H, W), (H, W)."""
 
     def __init__(self, rig: Rig, style: Style) -> None:
         self.rig, self.style = rig, style
@@ -106,26 +106,25 @@ class Canvas:
         size = rig.resy, rig.resx
         self.rgb = np.zeros((*size, 3), np.float32)
         self.depth = np.full(size, np.inf, np.float32)
-        self.label = np.zeros(size, np.uint8)
-        self.instance = np.zeros(size, np.uint32)
+        self.number = np.zeros(size, np.uint32)
         self.traces = defaultdict[int, Trace](lambda: Trace(np.zeros(size, bool)))
         self._pixels = np.arange(self.depth.size).reshape(size)
 
-    def paint(self, pixels: np.ndarray, depth: Any, rgb: np.ndarray, label: Any, instance: Any = 0) -> None:
+    def paint(self, pixels: np.ndarray, depth: Any, rgb: np.ndarray, number: Any) -> None:
         """Paint pixels, given by their places in the flat image; all but `rgb` may be one for all of them."""
         self.rgb.reshape(-1, 3)[pixels] = rgb
-        for values, new in ((self.depth, depth), (self.label, label), (self.instance, instance)):
-            values.reshape(-1)[pixels] = new
+        self.depth.reshape(-1)[pixels] = depth
+        self.number.reshape(-1)[pixels] = number
 
-    def solid(self, solid: Solid, shader: Shader, label: int, place: Place = ORIGIN, instance: int = 0) -> None:
+    def solid(self, solid: Solid, shader: Shader, number: int, place: Place = ORIGIN) -> None:
         """Paint a solid."""
         *position, heading = place
         cos, sin = math.cos(heading), math.sin(heading)
         x, y, z = solid.corners().T
         x, z = _turned(cos, -sin, x, z)
         world = np.stack([x, y, z], axis=1) + position
-        if instance:
-            self.traces[instance].corners.append(self.rig.to_camera(world))
+        if number > STRIDE:
+            self.traces[number].corners.append(self.rig.to_camera(world))
         window = self._window(world)
         if window is None:
             return
@@ -138,7 +137,7 @@ class Canvas:
         planes = solid.planes()
         lights = np.zeros(len(planes), np.float32)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            for number, (_, nx, ny, nz, c) in enumerate(planes):
+            for plane, (_, nx, ny, nz, c) in enumerate(planes):
                 weighed = [(weight, ray) for weight, ray in ((nx, dx), (ny, dy), (nz, dz)) if weight]
                 along = reduce(add, [ray if weight == 1 else ray * np.float32(weight) for weight, ray in weighed])
                 gap = np.float32(c - (nx * x + ny * y + nz * z))
@@ -148,28 +147,28 @@ class Canvas:
                     np.minimum(far, distance, out=far)
                 else:
                     wx, wz = _turned(cos, -sin, nx, nz)
-                    lights[number] = self.style.weather.light(wx, ny, wz)
+                    lights[plane] = self.style.weather.light(wx, ny, wz)
                     np.putmask(distance, along >= 0, np.inf)
-                    np.putmask(entered, distance > near, number)
+                    np.putmask(entered, distance > near, plane)
                     np.maximum(near, distance, out=near)
         hit = (near < far) & (near > 0.05) & (near < FARTHEST)
-        if not instance:  # of an instance the hidden pixels count too
+        if number < STRIDE:  # of a road user the hidden pixels count too
             hit &= near < self.depth[window]
         inner = np.flatnonzero(hit)
         if not inner.size:
             return
         arrays = (near, entered, dx, dy, dz, self._pixels[window])
         near, entered, dx, dy, dz, pixels = (array.take(inner) for array in arrays)
-        face = np.array([plane[0] for plane in planes], np.uint8)[entered]
+        face = np.array([face for face, *_ in planes], np.uint8)[entered]
         rgb, keep = shader(Hit(face, x + near * dx, y + near * dy, z + near * dz, near))
         rgb *= lights[entered][:, None]
         if keep is not None:
             pixels, near, rgb = pixels[keep], near[keep], rgb[keep]
-        if instance:
-            self.traces[instance].add(pixels, near)
+        if number > STRIDE:
+            self.traces[number].add(pixels, near)
             front = near < self.depth.take(pixels)
             pixels, near, rgb = pixels[front], near[front], rgb[front]
-        self.paint(pixels, near, rgb, label, instance)
+        self.paint(pixels, near, rgb, number)
 
     def sprite(
         self,
@@ -182,8 +181,7 @@ class Canvas:
     ) -> None:
         """Paint an upright sprite that faces the camera, its foot at a world position.
 
-        `colours` float32 (P, 3) and `numbers` uint32 (P,), labelIds or instance numbers, are looked up by the sprite's
-        parts; part 0 is transparent.
+        `colours` float32 (P, 3) and `numbers` (P,) are looked up by the sprite's parts; part 0 is transparent.
         """
         x, y, depth = self.rig.to_camera(np.array([foot]))[0].tolist()
         width, height = sprite.width * scale, sprite.height * scale
@@ -210,11 +208,7 @@ class Canvas:
         parts, shade, pixels = parts[front], shade[front], pixels[front]
         upright = self.style.weather.ambient + 0.45 * self.style.weather.direct
         rgb = colours[parts] * (shade * np.float32(upright))[:, None]
-        labels, instances = (
-            np.where(numbers < STRIDE, numbers, numbers // STRIDE),
-            np.where(numbers < STRIDE, 0, numbers),
-        )
-        self.paint(pixels, away, rgb, labels[parts], instances[parts])
+        self.paint(pixels, away, rgb, numbers[parts])
 
     def shadow(self, centre: tuple[float, float], half: tuple[float, float], heading: float, strength: float) -> None:
         """Darken the ground around (x, z) with a soft ellipse of half axes `half`, metres."""

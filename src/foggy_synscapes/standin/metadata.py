@@ -27,7 +27,7 @@ def describe_instances(canvas: Canvas) -> dict[str, dict]:
     truncated the share of its projected box outside the image; both 0 to 1.
     """
     described: dict[str, dict] = {name: {} for name in ("bbox2d", "bbox3d", "class", "occluded", "truncated")}
-    rows, columns = canvas.instance.shape
+    rows, columns = canvas.number.shape
     for number, seen in _visible(canvas).items():
         trace, key = canvas.traces[number], str(number)
         high, wide = np.flatnonzero(trace.extent.any(axis=1)), np.flatnonzero(trace.extent.any(axis=0))
@@ -50,8 +50,8 @@ def describe_instances(canvas: Canvas) -> dict[str, dict]:
 
 
 def _visible(canvas: Canvas) -> dict[int, int]:
-    numbers, counts = np.unique(canvas.instance, return_counts=True)
-    return {int(number): int(count) for number, count in zip(numbers, counts, strict=True) if number}
+    numbers, counts = np.unique(canvas.number, return_counts=True)
+    return {number: count for number, count in zip(numbers.tolist(), counts.tolist(), strict=True) if number > STRIDE}
 
 
 def _box(pieces: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -81,8 +81,8 @@ def render(
     return Scene(
         rgb=to_8_bit(_sensed(canvas.rgb, layout, pixels) if real else _softened(canvas.rgb, 0.15, 0.7)),
         depth=canvas.depth,
-        label_ids=canvas.label,
-        instances=canvas.instance,
+        label_ids=np.where(canvas.number < STRIDE, canvas.number, canvas.number // STRIDE).astype(np.uint8),
+        instances=np.where(canvas.number < STRIDE, 0, canvas.number).astype(np.uint32),
         rig=canvas.rig,
         instance=metadata.describe_instances(canvas),
         scene=metadata.scene_values(canvas, road, users, built),
@@ -100,7 +100,7 @@ def _paint_sky(canvas: Canvas) -> None:
     sky = canvas.depth > FARTHEST
     up = np.clip(canvas.rays[1][sky], 0, 1)
     canvas.depth[sky] = (SKY_NEAR + 60) + (SKY_FAR - SKY_NEAR - 120) * np.minimum(1, 2.5 * up)
-    canvas.label[sky] = ID["sky"]
+    canvas.number[sky] = ID["sky"]
     white = colour(BRIGHTEST)
     if weather.blue:
         canvas.rgb[sky] = _mixed(colour("accdf6"), colour("6092de"), np.minimum(1, up / 0.32))
@@ -129,7 +129,7 @@ def _paint_hood(canvas: Canvas) -> None:
     across = ((np.arange(columns) + 0.5) / columns - 0.5)[None, :]
     hood = down > 0.925 + 0.35 * across**2
     canvas.rgb[hood] = (0.16 + 0.9 * (down - 0.92)).repeat(columns, axis=1)[hood][:, None].astype(np.float32)
-    canvas.depth[hood], canvas.label[hood], canvas.instance[hood] = np.float32(1.8), EGO, 0
+    canvas.depth[hood], canvas.number[hood] = 1.8, EGO
 
 
 def _softened(rgb: np.ndarray, side: float, middle: float) -> np.ndarray:

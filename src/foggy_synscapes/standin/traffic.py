@@ -10,10 +10,12 @@ from foggy_synscapes.standin.canvas import STRIDE, Canvas, Point
 from foggy_synscapes.standin.street import Street
 from foggy_synscapes.standin.style import ID, Style, colour
 
-_SKINS = "d6aa8c b48264 785440 e2bca0"
-_HAIRS = "281e18 5a4028 18181a 967850"
-_COATS = "282c3c 96282c 506e96 c8c4bc 3c503c 1e1e20 be963c 78466e"
-_TROUSERS = "222636 32466e 1a1a1c 786c58 5a5c60"
+_CLOTHES = {
+    sprites.SKIN: "d6aa8c b48264 785440 e2bca0",
+    sprites.HAIR: "281e18 5a4028 18181a 967850",
+    sprites.COAT: "282c3c 96282c 506e96 c8c4bc 3c503c 1e1e20 be963c 78466e",
+    sprites.TROUSERS: "222636 32466e 1a1a1c 786c58 5a5c60",
+}
 _HELMETS = "3c5aaa d2d2ce 1e1e22 be2828"
 
 
@@ -21,12 +23,12 @@ _HELMETS = "3c5aaa d2d2ce 1e1e22 be2828"
 class Traffic:
     """What was placed: for each instance the kind it counts as in the scene keys, and how far away it is, in metres.
 
-    placed : class, shape, x and z of the middle in metres, and heading in radians of each
+    placed : class, shape, half width, half length, x and z of the middle in metres, and heading in radians of each
     taken : rectangles of ground, their middle and half their size in metres
     """
 
     instances: dict[int, tuple[str, float]] = field(default_factory=dict)
-    placed: list[tuple[str, vehicles.Vehicle, float, float, float]] = field(default_factory=list)
+    placed: list[tuple[str, vehicles.Vehicle, float, float, float, float, float]] = field(default_factory=list)
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
 
     def new(self, name: str, kind: str, x: float, z: float) -> int:
@@ -52,11 +54,11 @@ def place_vehicles(street: Street, style: Style) -> Traffic:
 
     def put(name: str, x: float, z: float, heading: float) -> float:
         vehicle = vehicles.MAKERS[name](style)
+        half, end = vehicle[0][0].x[1], max(solid.z[1] for solid, _ in vehicle)
         cos, sin = abs(math.cos(heading)), abs(math.sin(heading))
-        half_x = (cos * vehicle.width + sin * vehicle.length) / 2 + 0.2
-        half_z = (cos * vehicle.length + sin * vehicle.width) / 2 + 0.4
+        half_x, half_z = cos * half + sin * end + 0.2, cos * end + sin * half + 0.4
         if traffic.free(x, z + half_z, half_x, half_z):
-            traffic.placed.append((name, vehicle, x, z + half_z, heading))
+            traffic.placed.append((name, vehicle, half, end, x, z + half_z, heading))
         return 2 * half_z
 
     nearest = 26.0 if style.weather.blue else 9.0  # tall vehicles leave the blue sky in view
@@ -85,17 +87,16 @@ def place_vehicles(street: Street, style: Style) -> Traffic:
 
 def paint_vehicles(canvas: Canvas, traffic: Traffic) -> None:
     """Paint the placed vehicles as instances."""
-    for name, vehicle, x, z, heading in traffic.placed:
+    for name, vehicle, _, _, x, z, heading in traffic.placed:
         number = traffic.new(name, "buses" if name == "bus" else f"{name}s", x, z)
-        for solid, shader in vehicle.pieces:
-            canvas.solid(solid, shader, ID[name], (x, 0.0, z, heading), number)
+        for solid, shader in vehicle:
+            canvas.solid(solid, shader, number, (x, 0.0, z, heading))
 
 
 def paint_shadows(canvas: Canvas, traffic: Traffic) -> None:
     """Soft dark ground below the vehicles; harder under direct sun."""
-    for _, vehicle, x, z, heading in traffic.placed:
-        half = vehicle.width / 2 + 0.25, vehicle.length / 2 + 0.25
-        canvas.shadow((x, z), half, heading, 0.42 + 0.25 * canvas.style.weather.direct)
+    for _, _, half, end, x, z, heading in traffic.placed:
+        canvas.shadow((x, z), (half + 0.25, end + 0.25), heading, 0.42 + 0.25 * canvas.style.weather.direct)
 
 
 def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:
@@ -134,10 +135,8 @@ def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:
 
 def _clothes(style: Style) -> np.ndarray:
     colours = sprites.COLOURS.copy()
-    colours[sprites.SKIN] = style.pick(_SKINS) * np.float32(0.9)
-    colours[sprites.HAIR] = style.pick(_HAIRS)
-    colours[sprites.COAT] = style.pick(_COATS)
-    colours[sprites.TROUSERS] = style.pick(_TROUSERS)
+    for part, codes in _CLOTHES.items():
+        colours[part] = style.pick(codes) * np.float32(0.9 if part == sprites.SKIN else 1.0)
     return colours
 
 

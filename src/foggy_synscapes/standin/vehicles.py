@@ -15,13 +15,8 @@ RUBBER, LIGHT, TAIL = colour("161618"), colour("ececdc"), colour("b21412")
 PAINTS = "961618 1c2c60 1a1c20 c6c8cc 787c82 3c4044 d2d0c8 22463a 8c6e3c 386096"
 
 
-@dataclass(frozen=True)
-class Vehicle:
-    """Solids with their shaders, and the whole length and width."""
-
-    pieces: tuple[tuple[Solid, Shader], ...]
-    length: float
-    width: float
+Vehicle = list[tuple[Solid, Shader]]
+"""The widest solid first."""
 
 
 @dataclass(frozen=True)
@@ -122,10 +117,9 @@ def car(style: Style) -> Vehicle:
     """A hatchback, an estate or a van."""
     rng, paint = style.rng, style.pick(PAINTS)
     form = rng.integers(4)
-    length, width = rng.uniform(3.9, 4.8), rng.uniform(1.72, 1.9)
+    end, half = rng.uniform(3.9, 4.8) / 2, rng.uniform(1.72, 1.9) / 2
     belt, roof = (0.95, rng.uniform(1.42, 1.55)) if form < 3 else (1.05, 1.95)
     hood, boot, rake = ((1.35, 0.08, 0.35), (1.2, 0.1, 0.15), (1.3, 0.55, 0.9), (0.75, 0.05, 0.08))[form]
-    half, end = width / 2, length / 2
     front, rear, slope, tuck = end - hood, -end + boot, 0.9, 0.28
     side = half - 0.03 + tuck * belt
     windscreens = (BACK, 0, slope, 1, front + slope * belt), (FRONT, 0, rake, -1, -rear + rake * belt)
@@ -133,16 +127,15 @@ def car(style: Style) -> Vehicle:
     lower = Solid((-half, half), (0.0, belt), (-end, end), ((TOP, 0, 1, 0.25, belt + 0.25 * (end - 0.6)),))
     upper = Solid((-half, half), (belt - 0.02, roof), (rear, front), windscreens + flanks)
     body = Body(paint, half, (-end + 0.78, end - 0.8), 0.33, 0.24)
-    cabin = _cabin(body, belt, roof, 0.02 * length, 0.25 + 0.3 * style.weather.glare)
-    return Vehicle(((lower, _chassis(body, style.grain)), (upper, cabin)), length, width)
+    cabin = _cabin(body, belt, roof, 0.04 * end, 0.25 + 0.3 * style.weather.glare)
+    return [(lower, _chassis(body, style.grain)), (upper, cabin)]
 
 
 def truck(style: Style) -> Vehicle:
     """A delivery truck: a box behind a cab."""
     paint, grain, mirror = style.pick(PAINTS), style.grain, 0.25 + 0.3 * style.weather.glare
-    length, width, height = style.rng.uniform(6.5, 8.5), 2.4, style.rng.uniform(3.1, 3.6)
+    half, end, height = 1.2, style.rng.uniform(6.5, 8.5) / 2, style.rng.uniform(3.1, 3.6)
     box = style.pick("d6d6d2 bab2a0 465c80 963c30 607656")
-    half, end = width / 2, length / 2
     rear = Solid((-half, half), (0, height), (-end, end - 2.0))
     body = Body(box, half, (-end + 1.3, end - 2.6), 0.5, 0.62)
     load = rear, _panels(body, grain, height, "2c2c2e", None, 1.0, mirror)
@@ -150,26 +143,24 @@ def truck(style: Style) -> Vehicle:
     front = Solid((-half, half), (0, 2.65), (end - 1.95, end), ((BACK, 0, 0.3, 1, end + 0.3 * 1.5),))
     body = Body(paint, half, (end - 1.0,), 0.5, 0.4)
     cab = front, _panels(body, grain, 2.65, "2c2c2e", (1.45, 2.3), 3.0, mirror)
-    return Vehicle((load, cab), length, width)
+    return [load, cab]
 
 
 def bus(style: Style) -> Vehicle:
     """A city bus or a coach."""
     paint = style.pick("b61e24 2454a0 e2dcce d8aa28 34786e")
-    length, width, height = style.rng.uniform(9.5, 12.0), 2.5, style.rng.uniform(3.0, 3.3)
-    half, end = width / 2, length / 2
+    half, end, height = 1.25, style.rng.uniform(9.5, 12.0) / 2, style.rng.uniform(3.0, 3.3)
     slants = (BACK, 0, 0.12, 1, end + 0.12 * 1.2), (FRONT, 0, 0.08, -1, end + 0.08 * 1.2)
     body = Body(paint, half, (-end + 2.6, end - 2.4), 0.48, 0.3)
     mirror = 0.2 + 0.3 * style.weather.glare
     shader = _panels(body, style.grain, height, "383a3e", (1.25, 2.45), 1.6, mirror)
-    return Vehicle(((Solid((-half, half), (0, height), (-end, end), slants), shader),), length, width)
+    return [(Solid((-half, half), (0, height), (-end, end), slants), shader)]
 
 
 def train(style: Style) -> Vehicle:
     """A tram: long, sleek-nosed, on rails, with a coloured band below its windows."""
     paint = style.pick("969ca2 c4c6c6 585e68 3c6eb0")
-    length, width, height = style.rng.uniform(22, 30), 2.35, style.rng.uniform(3.4, 3.6)
-    half, end = width / 2, length / 2
+    half, end, height = 1.175, style.rng.uniform(22, 30) / 2, style.rng.uniform(3.4, 3.6)
     slants = (BACK, 0, 0.45, 1, end + 0.45 * 1.1), (FRONT, 0, 0.45, -1, end + 0.45 * 1.1)
     body = Body(paint, half, (), 0.0, 0.2)
     mirror = 0.15 + 0.25 * style.weather.glare
@@ -180,7 +171,7 @@ def train(style: Style) -> Vehicle:
         rgb[(hit.y > 1.0) & (hit.y < 1.22)] = colour("c42828")
         return rgb, keep
 
-    return Vehicle(((Solid((-half, half), (0, height), (-end, end), slants), shade),), length, width)
+    return [(Solid((-half, half), (0, height), (-end, end), slants), shade)]
 
 
 MAKERS = {"car": car, "truck": truck, "bus": bus, "train": train}
