@@ -98,7 +98,7 @@ class Trace:
 
 
 class Canvas:
-    """RGB in [0, 1], planar depth and numbers (labelIds, or those of road users) of a frame: (H, W, 3), (H, W), (H, W)."""
+    """RGB in [0, 1], planar depth and numbers (labelIds, or those of road users) of a frame: (H, W, 3) and (H, W)."""
 
     def __init__(self, rig: Rig, style: Style) -> None:
         self.rig, self.style = rig, style

@@ -1,5 +1,7 @@
 """Poles, lamps, traffic lights, signs and trees along the kerbs."""
 
+import math
+
 import numpy as np
 
 from foggy_synscapes.standin import sprites, textures
@@ -20,7 +22,7 @@ def paint_furniture(canvas: Canvas, street: Street) -> None:
 
     def along(first: float, last: float) -> float:
         z = first + (last - first) * rng.random() ** 1.4
-        return max(6.0, street.crossing[0] - 2.0) if street.crossing and street.crossed(z - 1, z + 1) else z
+        return max(6.0, street.crossing[0] - 2.0) if street.crossed(z - 1, z + 1) else z
 
     for side in street.sides:
         sign, edge = side.sign, side.kerb + side.sign * 0.45
@@ -49,10 +51,10 @@ def paint_furniture(canvas: Canvas, street: Street) -> None:
             place = side.back - sign * 0.6, level, along(8, 40), 0.0
             litter_bin = Solid((-0.35, 0.35), (0, 1.1), (-0.35, 0.35))
             canvas.solid(litter_bin, textures.plain(style, "46544a", style.grain), STATIC, place)
-    lights = [street.crossing[0] - 1.0] * 2 if street.crossing else []
-    if rng.random() < 0.75 and not lights:
-        lights = [rng.uniform(12, 40)] * 2
-    for side, z in zip(street.sides, lights, strict=False):
+    z = street.crossing[0] - 1.0
+    if rng.random() < 0.75 and math.isinf(z):
+        z = rng.uniform(12, 40)
+    for side in street.sides if z < math.inf else ():
         colours = _post_colours(style)
         light = sprites.traffic_light(rng.integers(3), rng.random() < 0.4)
         x = side.kerb + side.sign * 0.4 - (side.sign * 1.7 if light.width > 2 else 0)
@@ -60,9 +62,7 @@ def paint_furniture(canvas: Canvas, street: Street) -> None:
 
 
 def _post_colours(style: Style) -> np.ndarray:
-    colours = sprites.COLOURS.copy()
-    colours[sprites.POST] = style.pick(_GREYS)
-    return colours
+    return sprites.coloured({sprites.POST: style.pick(_GREYS)})
 
 
 def _paint_sign(canvas: Canvas, foot: Point) -> None:
@@ -76,8 +76,8 @@ def _paint_sign(canvas: Canvas, foot: Point) -> None:
 
 
 def _paint_plant(canvas: Canvas, foot: Point, kind: int) -> None:
-    style, rng, colours = canvas.style, canvas.style.rng, sprites.COLOURS.copy()
+    style, rng = canvas.style, canvas.style.rng
     leaf = style.pick(_LEAVES) * np.float32(rng.uniform(0.8, 1.15))
-    for part, light in ((sprites.LEAF, 1.0), (sprites.LEAF_LIT, 1.35), (sprites.LEAF_DARK, 0.6)):
-        colours[part] = leaf * np.float32(light)
+    lights = {sprites.LEAF: 1.0, sprites.LEAF_LIT: 1.35, sprites.LEAF_DARK: 0.6}
+    colours = sprites.coloured({part: leaf * np.float32(light) for part, light in lights.items()})
     canvas.sprite(sprites.tree(kind), foot, colours, scale=rng.uniform(0.7, 1.3), flip=rng.random() < 0.5)

@@ -77,7 +77,7 @@ def scene_values(
 ) -> dict[str, float]:
     """The `scene` part: all 35 keys, in alphabetical order."""
     rng, weather = canvas.style.rng, canvas.style.weather
-    isect = min(1.0, street.crossing[0] / 100) if street.crossing else 1.0
+    isect = min(1.0, street.crossing[0] / 100)
     values: dict[str, float] = {
         "altitude_variation": street.hills,
         "curb_height": street.curb_height,

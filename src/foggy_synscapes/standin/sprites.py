@@ -22,11 +22,17 @@ _OF = {"person": 6, "bicycle": 5, "pole": 2, "traffic sign": 3, "traffic light":
 LABELS = np.array([0] + [ID[name] for name, parts in _OF.items() for _ in range(parts)])
 """labelId of each part, where nothing else is said."""
 
-COLOURS = np.zeros((PARTS, 3), np.float32)
-"""Colour of each part that always has the same."""
+_COLOURS = np.zeros((PARTS, 3), np.float32)
+_COLOURS[[SHOES, BAG, WHEEL, METAL, BAND]] = palette("282422 5c3c2c 1a1a1c 74767a dcd8c8")
+_COLOURS[[CASE, RED, AMBER, GREEN, TRUNK]] = palette("1a1c1c ff3c28 ffbe32 3cf096 4a3c30")
 
-COLOURS[[SHOES, BAG, WHEEL, METAL, BAND]] = palette("282422 5c3c2c 1a1a1c 74767a dcd8c8")
-COLOURS[[CASE, RED, AMBER, GREEN, TRUNK]] = palette("1a1c1c ff3c28 ffbe32 3cf096 4a3c30")
+
+def coloured(parts: dict[int, np.ndarray]) -> np.ndarray:
+    """Colours by part, float32 (P, 3): these, and of the parts that always have the same."""
+    colours = _COLOURS.copy()
+    for part, colour in parts.items():
+        colours[part] = colour
+    return colours
 
 
 class Sprite:
@@ -44,22 +50,17 @@ class Sprite:
         tone = 1.0 + 0.16 * np.clip(self.x / (width / 2), -1, 1)
         self.shade = (tone * (0.9 + 0.1 * np.clip(self.y / height, 0, 1))).astype(np.float32)
 
-    def draw(self, part: int, *shapes: tuple[float, ...]) -> None:
-        """Discs (x, y, radius), perhaps with a height as a share of their width, and strokes from a point to another.
+    def draw(self, part: int, *shapes: tuple[float, ...], flat: float = 1.0) -> None:
+        """Discs (x, y, radius), `flat` times as high as wide, and strokes with round ends.
 
-        A stroke is (x0, y0, x1, y1, radius), perhaps with another radius at its end; its ends are round.
+        A stroke is (x0, y0, x1, y1, radius), perhaps with another radius at its end.
         """
-        for shape in shapes:
-            if len(shape) < 5:
-                x, y, radius, *flat = shape
-                inside = (self.x - x) ** 2 + ((self.y - y) / (flat or [1])[0]) ** 2 <= radius**2
-            else:
-                x0, y0, x1, y1, radius, *end = shape
-                length = max((x1 - x0) ** 2 + (y1 - y0) ** 2, 1e-9)
-                along = np.clip(((self.x - x0) * (x1 - x0) + (self.y - y0) * (y1 - y0)) / length, 0, 1)
-                width = radius + ((end or [radius])[0] - radius) * along
-                inside = (self.x - x0 - along * (x1 - x0)) ** 2 + (self.y - y0 - along * (y1 - y0)) ** 2 <= width**2
-            self.parts[inside] = part
+        for x0, y0, *rest in shapes:
+            x1, y1, radius, *end = rest if len(rest) > 1 else (x0, y0, *rest)
+            x, y, dx, dy = self.x - x0, (self.y - y0) / flat, x1 - x0, y1 - y0
+            along = np.clip((x * dx + y * dy) / max(dx**2 + dy**2, 1e-9), 0, 1)
+            width = radius + (end[0] - radius) * along if end else radius
+            self.parts[(x - along * dx) ** 2 + (y - along * dy) ** 2 <= width**2] = part
 
     def box(self, part: int, *corners: tuple[float, float, float, float]) -> None:
         """Filled rectangles (x0, y0, x1, y1)."""
@@ -80,8 +81,8 @@ def person(pose: int) -> Sprite:
     if pose in (1, 3):
         s.box(BAG, (-0.33, 0.85, -0.2, 1.2))
     s.draw(SKIN, (0, 1.48, 0, 1.56, 0.06))
-    s.draw(HAIR, (0, 1.67, 0.115, 1.2))
-    s.draw(SKIN, (0.03, 1.63, 0.09, 1.2))
+    s.draw(HAIR, (0, 1.67, 0.115), flat=1.2)
+    s.draw(SKIN, (0.03, 1.63, 0.09), flat=1.2)
     return s
 
 
@@ -117,15 +118,16 @@ def cycle(kind: str, side: bool, ridden: bool) -> Sprite:
         s.draw(TROUSERS, (-0.15, 0.98, 0.16, 0.66, 0.1, 0.08), (0.16, 0.66, 0.02, 0.24, 0.075, 0.06))
         s.draw(SHOES, (0, 0.2, 0.14, 0.2, 0.05))
         s.draw(COAT, (-0.16, 1.02, 0.06, 1.4, 0.17, 0.16), (0.1, 1.36, 0.4, 1.08, 0.06))
-        s.draw(SKIN, (0.42, 1.06, 0.05), (0.15, 1.62, 0.11, 1.15))
-        s.draw(HAIR, (0.13, 1.69, 0.13, 0.8 if motor else 0.62))
+        s.draw(SKIN, (0.42, 1.06, 0.05))
+        s.draw(SKIN, (0.15, 1.62, 0.11), flat=1.15)
+        s.draw(HAIR, (0.13, 1.69, 0.13), flat=0.8 if motor else 0.62)
     elif ridden:
         s.draw(TROUSERS, (-0.08, 0.95, -0.17, 0.55, 0.1, 0.08), (0.08, 0.95, 0.17, 0.6, 0.1, 0.08))
         s.draw(TROUSERS, (-0.17, 0.55, -0.13, 0.25, 0.07), (0.17, 0.6, 0.13, 0.32, 0.07))
         s.draw(SHOES, (-0.13, 0.2, 0.06), (0.13, 0.27, 0.06))
         s.draw(COAT, (0, 1.0, 0, 1.36, 0.19, 0.21), (-0.2, 1.38, -0.3, 1.06, 0.065), (0.2, 1.38, 0.3, 1.06, 0.065))
-        s.draw(SKIN, (0, 1.62, 0.12, 1.15))
-        s.draw(HAIR, (0, 1.69, 0.135, 0.8))
+        s.draw(SKIN, (0, 1.62, 0.12), flat=1.15)
+        s.draw(HAIR, (0, 1.69, 0.135), flat=0.8)
     return s
 
 
@@ -185,14 +187,15 @@ def sign(kind: str) -> Sprite:
 @cache
 def post(kind: str) -> Sprite:
     """A "lamp" of 7 m, a plain "pole" of 5 m or a "bollard" of 1 m."""
-    width, height, resolution = {"lamp": (2.4, 7, 40), "pole": (0.4, 5, 80), "bollard": (0.3, 1, 80)}[kind]
-    s = Sprite(width, height, resolution)
     if kind == "lamp":
+        s = Sprite(2.4, 7.0, 40)
         s.draw(POST, (-1.0, 0.0, -1.0, 6.6, 0.13, 0.08), (-1.0, 6.6, 0.4, 6.85, 0.06))
         s.box(POST, (0.3, 6.72, 1.0, 6.9))
     elif kind == "pole":
+        s = Sprite(0.4, 5.0)
         s.box(POST, (-0.11, 0, 0.11, 5.0))
     else:
+        s = Sprite(0.3, 1.0)
         s.box(POST, (-0.1, 0, 0.1, 0.95))
         s.box(BAND, (-0.1, 0.7, 0.1, 0.85))
     return s

@@ -1,5 +1,6 @@
 """The street itself: where its lanes, kerbs, crossing and houses lie, and how they are painted."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,11 +34,6 @@ class Side:
         """Lateral position of the house fronts."""
         return self.back + self.sign * self.verge
 
-    @property
-    def pavement(self) -> tuple[float, float]:
-        """Lateral extent of the sidewalk."""
-        return min(self.kerb, self.back), max(self.kerb, self.back)
-
 
 @dataclass(frozen=True)
 class Street:
@@ -49,19 +45,18 @@ class Street:
     parking_presence: float  # share of parking bays in use
     parking_angle: int  # degrees
     curb_height: float
-    crossing: tuple[float, float] | None  # where a cross street begins and ends
+    crossing: tuple[float, float]  # where a cross street begins and ends; inf without one
     rails: float | None  # lateral position of a tram track
     hills: float  # height of the far hills: the altitude variation
 
     def stretches(self) -> list[tuple[float, float]]:
         """Where the street is not crossed, along z."""
-        if self.crossing is None:
-            return [(FIRST, LAST)]
-        return [(FIRST, self.crossing[0]), (self.crossing[1], LAST)]
+        start, end = self.crossing
+        return [(FIRST, start), (end, LAST)] if start < LAST else [(FIRST, LAST)]
 
     def crossed(self, z0: float, z1: float) -> bool:
         """Whether [z0, z1] touches the cross street."""
-        return self.crossing is not None and z0 < self.crossing[1] and z1 > self.crossing[0]
+        return z0 < self.crossing[1] and z1 > self.crossing[0]
 
 
 def sample_street(rng: np.random.Generator, trains: bool) -> Street:
@@ -83,8 +78,7 @@ def sample_street(rng: np.random.Generator, trains: bool) -> Street:
     sidewalks = rng.uniform(1.8, 4.2, 2).tolist()
     left, right = (Side(*side) for side in zip((-1, 1), lanes, rows, kerbs, sidewalks, verges, strict=True))
     curb_height = round(rng.uniform(0.08, 0.18), 4)
-    start = rng.uniform(14, 60) if rng.random() < 0.45 else None
-    width = rng.uniform(7, 11)
+    start = rng.uniform(14, 60) if rng.random() < 0.45 else math.inf
     return Street(
         lane=lane,
         sides=(left, right),
@@ -92,7 +86,7 @@ def sample_street(rng: np.random.Generator, trains: bool) -> Street:
         parking_presence=presence,
         parking_angle=angle if parked.any() else 0,
         curb_height=curb_height,
-        crossing=(start, start + width) if start else None,
+        crossing=(start, start + rng.uniform(7, 11)),
         rails=oncoming[0] if trains and rng.random() < 0.33 else None,
         hills=round(rng.uniform(4, 26), 3),
     )
@@ -115,16 +109,15 @@ def paint_ground(canvas: Canvas, street: Street) -> None:
     rgb = asphalt * (pattern * light)[:, None].astype(np.float32)
     _paint_markings(street, rgb, x, z, light, style.rng)
     left, right = street.sides
-    green = (x < left.kerb) | (x > right.kerb)
-    if street.crossing:
-        green &= (z <= street.crossing[0]) | (z >= street.crossing[1])
+    start, end = street.crossing
+    green = ((x < left.kerb) | (x > right.kerb)) & ((z <= start) | (z >= end))
     lawn, paving = textures.grass(style), textures.paving(style)
     from_above = Hit(np.full(green.sum(), TOP), x[green], x[green] * 0, z[green], depth[green])
     rgb[green] = lawn(from_above)[0] * np.float32(light)
     canvas.paint(ground, depth, rgb, np.where(green, ID["terrain"], ID["road"]))
     for side in street.sides:
         for stretch in street.stretches():
-            canvas.solid(Solid(side.pavement, (0.0, street.curb_height), stretch), paving, ID["sidewalk"])
+            canvas.solid(Solid((side.kerb, side.back), (0.0, street.curb_height), stretch), paving, ID["sidewalk"])
     if street.median:
         width = street.median[0] + 0.2, street.median[1] - 0.2
         for stretch in street.stretches():
@@ -145,14 +138,12 @@ def _paint_markings(
         marks |= (dashed if rng.random() < 0.6 else True) & (np.abs(x + street.lane / 2) < width)
     for side in street.sides:
         marks |= np.abs(x - side.kerb + side.sign * 0.3) < 0.8 * width
-    if street.crossing:
-        start, end = street.crossing
-        marks &= (z < start - 4.5) | (z > end + 4.5)
-        left, right = street.sides
-        stripes = (x / 1.1 - np.floor(x / 1.1) < 0.5) & (x > left.kerb + 0.3) & (x < right.kerb - 0.3)
-        for z0 in (start - 3.6, end + 0.8):
-            marks |= stripes & (z > z0) & (z < z0 + 2.8)
-        marks |= (np.abs(z - start + 5.0) < 0.3) & (np.abs(x) < street.lane / 2)
+    (start, end), (left, right) = street.crossing, street.sides
+    marks &= (z < start - 4.5) | (z > end + 4.5)
+    stripes = (x / 1.1 - np.floor(x / 1.1) < 0.5) & (x > left.kerb + 0.3) & (x < right.kerb - 0.3)
+    for z0 in (start - 3.6, end + 0.8):
+        marks |= stripes & (z > z0) & (z < z0 + 2.8)
+    marks |= (np.abs(z - start + 5.0) < 0.3) & (np.abs(x) < street.lane / 2)
     rgb[marks] = colour("d6d6ce") * np.float32(0.92 * light)
     if street.rails is not None:
         for rail in (street.rails - 0.72, street.rails + 0.72):
@@ -181,7 +172,7 @@ def paint_houses(canvas: Canvas, street: Street) -> dict[str, tuple[float, float
         while z < 150:
             length = rng.uniform(8, 22)
             kind = rng.random()
-            if street.crossing and street.crossed(z - 1, z + length + 1):
+            if street.crossed(z - 1, z + length + 1):
                 if z >= street.crossing[0] - 6 or kind >= 0.75:
                     z = street.crossing[1] + 2
                     continue

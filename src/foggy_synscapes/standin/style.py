@@ -43,11 +43,7 @@ class Weather:
     ambient: float
     direct: float
     blue: bool
-
-    @property
-    def glare(self) -> float:
-        """How bright the sky is that glass mirrors, 0 to 1."""
-        return 0.35 if self.blue else 0.8
+    glare: float  # how bright the sky is that glass mirrors, 0 to 1
 
     def light(self, x: float, y: float, z: float) -> float:
         """Brightness factor of a surface that faces (x, y, z), a unit vector of the world."""
@@ -84,7 +80,7 @@ def sample_weather(rng: np.random.Generator, blue: bool, overcast: bool) -> Weat
     clear = min(1.0, max(0.0, (contrast - 2.4) / 2.8))
     ambient, direct = 0.92 - 0.34 * clear, 0.06 + 0.62 * clear
     dim = 0.86 + 0.14 * height
-    return Weather(round(contrast, 4), round(height, 4), sun, ambient * dim, direct * dim, blue)
+    return Weather(round(contrast, 4), round(height, 4), sun, ambient * dim, direct * dim, blue, 0.35 if blue else 0.8)
 
 
 _SIDE = 256

@@ -39,18 +39,14 @@ def facade(style: Style, height: float) -> Shader:
     shop, phase = rng.random() < 0.35, rng.uniform(0, 8)
     brick = rng.random() < 0.5
 
-    def weathered(hit: Hit, fade: np.ndarray) -> np.ndarray:
-        a, b = _sideways(hit), hit.y
+    def shade(hit: Hit) -> tuple[np.ndarray, None]:
+        a, b, fade = _sideways(hit), hit.y, np.minimum(1.0, 18.0 / hit.depth)
         pattern = 1.0 + grain * noise(a + phase, b, 9.0) * fade + 0.6 * grain * noise(a, b + phase, 4.0)
         if brick:
             pattern *= 1.0 - (0.03 + 0.4 * grain) * ((b * 6).astype(np.int32) & 1) * fade
-        return pattern * (0.82 + 0.18 * np.minimum(1, b / 2.5))
-
-    plaster = _patterned(wall, 18.0, weathered)
-
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        rgb, _ = plaster(hit)
-        a, b = (_sideways(hit) + phase) / bay, hit.y / storey
+        pattern *= 0.82 + 0.18 * np.minimum(1, b / 2.5)
+        rgb = wall * pattern[:, None]
+        a, b = (a + phase) / bay, b / storey
         column, row = np.floor(a), np.floor(b)
         u, v = np.abs(a - column - 0.5), np.abs(b - row - 0.52)
         frame = (u < wide + 0.04) & (v < tall + 0.04)

@@ -105,7 +105,8 @@ def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:
     left, right = street.sides
 
     def pavement(inset: float) -> tuple[float, float]:
-        x0, x1 = street.sides[rng.random() >= 0.5].pavement
+        side = right if rng.random() >= 0.5 else left
+        x0, x1 = sorted((side.kerb, side.back))
         return x0 + inset, x1 - inset
 
     def level(z: float) -> float:
@@ -115,7 +116,7 @@ def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:
         x, z = rng.uniform(*pavement(0.3)), 7 + 45 * rng.random() ** 1.3
         for k in range(1 + (rng.random() < 0.3) + (rng.random() < 0.12)):
             _paint_person(canvas, (x + 0.62 * k, level(z), z + 0.2 * k), traffic)
-    if street.crossing:
+    if street.crossing[0] < math.inf:
         for _ in range(rng.integers(0, 4)):
             x = rng.uniform(left.kerb, right.kerb)
             _paint_person(canvas, (x, 0.0, street.crossing[0] - 2.2 + rng.uniform(-0.8, 0.8)), traffic)
@@ -134,9 +135,8 @@ def paint_people(canvas: Canvas, street: Street, traffic: Traffic) -> None:
 
 
 def _clothes(style: Style) -> np.ndarray:
-    colours = sprites.COLOURS.copy()
-    for part, codes in _CLOTHES.items():
-        colours[part] = style.pick(codes) * np.float32(0.9 if part == sprites.SKIN else 1.0)
+    colours = sprites.coloured({part: style.pick(codes) for part, codes in _CLOTHES.items()})
+    colours[sprites.SKIN] *= np.float32(0.9)
     return colours
 
 

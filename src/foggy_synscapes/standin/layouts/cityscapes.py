@@ -1,6 +1,5 @@
 """The stand-in of Cityscapes."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -57,7 +56,7 @@ def _frames(plan: Any) -> list[Frame]:
     for split in CITIES:
         for number in range(getattr(plan.cityscapes, split)):
             paths = [kind(name(plan, split, number)) for kind in kinds]
-            found.append(Frame(paths, partial(_render, plan.seed, plan.size, split, number)))
+            found.append(Frame(paths, _render, (plan.seed, plan.size, split, number)))
     return found
 
 

@@ -1,6 +1,5 @@
 """The stand-in of Foggy Cityscapes: fog on the refined ones of the frames of Cityscapes' stand-in."""
 
-from functools import partial
 from typing import Any
 
 from foggy_synscapes.datasets import foggy_cityscapes
@@ -36,7 +35,8 @@ def _frames(plan: Any) -> list[Frame]:
     return [
         Frame(
             [foggy_cityscapes.image(cityscapes.name(plan, *clear), beta) for beta in BETAS],
-            partial(_render, plan.seed, plan.size, *clear),
+            _render,
+            (plan.seed, plan.size, *clear),
         )
         for clear in refined(plan)
     ]

@@ -1,7 +1,6 @@
 """The stand-in of Foggy Driving."""
 
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -80,7 +79,7 @@ def _frames(plan: Any) -> list[Frame]:
             labels = foggy_driving.labels(name, coarse)
             instances = [] if coarse else [labels.replace("_labelIds", "_instanceIds")]
             paths = [foggy_driving.image(name, coarse), labels, *instances]
-            found.append(Frame(paths, partial(_render, plan.seed, plan.size, coarse, number)))
+            found.append(Frame(paths, _render, (plan.seed, plan.size, coarse, number)))
     return found
 
 

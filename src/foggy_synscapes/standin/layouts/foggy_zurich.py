@@ -1,6 +1,5 @@
 """The stand-in of Foggy Zurich."""
 
-from functools import partial
 from typing import Any
 
 from foggy_synscapes.datasets import foggy_zurich
@@ -37,7 +36,7 @@ def _frames(plan: Any) -> list[Frame]:
         place, sequence = divmod(number, len(SEQUENCES))
         name = f"{SEQUENCES[sequence]}/{1508040913 + number}.0_frame_{place * 15 + 10:06d}"
         paths = [kind(name) for kind in (foggy_zurich.image, foggy_zurich.labels, foggy_zurich.train_labels)]
-        found.append(Frame(paths, partial(_render, plan.seed, plan.size, number)))
+        found.append(Frame(paths, _render, (plan.seed, plan.size, number)))
     return found
 
 

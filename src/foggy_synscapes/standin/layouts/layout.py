@@ -13,12 +13,12 @@ class Frame:
     """A frame. Its files are known without rendering it, so that what is there already can be left alone.
 
     paths : its files below the root
-    render : makes their contents in this order, as `drawing.encode` takes them. It is sent to other processes, so it
-    is a function of a module, or a `partial` of one.
+    render : a function of a module that makes their contents from `key`, in this order, as `drawing.encode` takes them
     """
 
     paths: Sequence[str]
-    render: Callable[[], Sequence[Any]]
+    render: Callable[..., Sequence[Any]]
+    key: tuple[Any, ...]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """The stand-in of Synscapes."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ def _render(seed: int, size: tuple[int, int], number: int) -> list[Any]:
 def _frames(plan: Any) -> list[Frame]:
     kinds = synscapes.rgb, synscapes.depth, synscapes.class_, synscapes.instance, synscapes.meta
     return [
-        Frame([kind(number + 1) for kind in kinds], partial(_render, plan.seed, plan.size, number))
+        Frame([kind(number + 1) for kind in kinds], _render, (plan.seed, plan.size, number))
         for number in range(plan.synscapes)
     ]
 
