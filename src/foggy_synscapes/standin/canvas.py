@@ -90,7 +90,7 @@ class Trace:
     far: float = 0.0
     corners: list[np.ndarray] = field(default_factory=list)
 
-    def add(self, pixels: np.ndarray, depth: np.ndarray) -> None:
+    def add(self, pixels: np.ndarray, depth: np.ndarray | np.floating) -> None:
         """Take in pixels, given by their places in the flat image."""
         if pixels.size:
             self.extent.reshape(-1)[pixels] = True

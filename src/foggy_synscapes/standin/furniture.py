@@ -39,10 +39,10 @@ def paint_furniture(canvas: Canvas, street: Street) -> None:
             # Near trees would hide the little blue sky that a street shows.
             if not street.crossed(z - 1, z + 1) and not (style.weather.blue and z < 40):
                 foot = (side.back + sign * side.verge * 0.5, 0.0, z) if side.verge else (edge + sign * 0.4, level, z)
-                _paint_plant(canvas, foot, rng.integers(6))
+                _paint_plant(canvas, foot, int(rng.integers(6)))
         for _ in range(rng.integers(0, 4) if side.verge else 0):
             foot = side.back + sign * rng.uniform(0.6, side.verge), 0.0, along(9, 50)
-            _paint_plant(canvas, foot, rng.integers(6, 8))
+            _paint_plant(canvas, foot, int(rng.integers(6, 8)))
         for _ in range(rng.integers(0, 4)):
             colours = _post_colours(style)
             post = sprites.post(rng.choice(["pole", "bollard", "bollard"]))

@@ -78,7 +78,9 @@ def place_vehicles(street: Street, style: Style) -> Traffic:
     turn = math.radians(street.parking_angle)
     step = {0: 5.6, 45: 3.6, 90: 2.7}[street.parking_angle]
     for side, heading in ((left, math.pi + turn), (right, turn)):
-        for z in np.arange(rng.uniform(6, 10), 60, step).tolist() if side.parking else ():
+        if side.parking is None:
+            continue
+        for z in np.arange(rng.uniform(6, 10), 60, step).tolist():
             if rng.random() < street.parking_presence and not street.crossed(z - 6, z + 6):
                 name = "truck" if rng.random() < 0.03 and not turn else "car"
                 put(name, side.parking, z, heading)

@@ -88,7 +88,7 @@ def _cabin(body: Body, low: float, high: float, middle: float, mirror: float) ->
 def _panels(
     body: Body, grain: float, height: float, trim: str, windows: tuple[float, float] | None, bay: float, mirror: float
 ) -> Shader:
-    # One tall body: bus, tram, truck box. `windows` is the band's lower and upper edge.
+    # One tall body: bus, truck box, or tram with a coloured band. `windows` is the band's lower and upper edge.
     def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
         y, side, end = hit.y, hit.face <= RIGHT, hit.face >= FRONT
         rgb = body.painted(hit, grain, 5.0)
@@ -108,6 +108,7 @@ def _panels(
         if body.axles:
             return rgb, body.add_wheels(rgb, hit, "6e7074", 0.25, 0.2)
         rgb[y < body.clearance] = RUBBER
+        rgb[(y > 1.0) & (y < 1.22)] = colour("c42828")
         return rgb, None
 
     return shade
@@ -164,14 +165,8 @@ def train(style: Style) -> Vehicle:
     slants = (BACK, 0, 0.45, 1, end + 0.45 * 1.1), (FRONT, 0, 0.45, -1, end + 0.45 * 1.1)
     body = Body(paint, half, (), 0.0, 0.2)
     mirror = 0.15 + 0.25 * style.weather.glare
-    panels = _panels(body, style.grain, height, "222428", (1.35, 2.7), 2.6, mirror)
-
-    def shade(hit: Hit) -> tuple[np.ndarray, np.ndarray | None]:
-        rgb, keep = panels(hit)
-        rgb[(hit.y > 1.0) & (hit.y < 1.22)] = colour("c42828")
-        return rgb, keep
-
-    return [(Solid((-half, half), (0, height), (-end, end), slants), shade)]
+    shader = _panels(body, style.grain, height, "222428", (1.35, 2.7), 2.6, mirror)
+    return [(Solid((-half, half), (0, height), (-end, end), slants), shader)]
 
 
 MAKERS = {"car": car, "truck": truck, "bus": bus, "train": train}
