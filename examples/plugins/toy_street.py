@@ -5,7 +5,6 @@ the params is `stand-in`. A dataset without a stand-in leaves the second part ou
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.schema import Count
-from foggy_synscapes.standin.layouts.layout import Files, StandIn
+from foggy_synscapes.standin.layouts.layout import Frame, StandIn
 
 
 def label(image: str) -> str:
@@ -38,35 +37,23 @@ SKY, ROAD, CAR = 23, 7, 26
 """labelIds of Cityscapes."""
 
 
-@dataclass(frozen=True)
-class ToyFrame:
-    """A grey sky over a darker road, with a red car somewhere on it."""
-
-    seed: int
-    size: tuple[int, int]
-    number: int
-
-    def paths(self) -> list[str]:
-        """Files of the frame below the root."""
-        image = f"images/{self.number:03d}.png"
-        return [image, label(image)]
-
-    def files(self) -> Files:
-        """Draw the frame."""
-        (height, width), random = self.size, np.random.default_rng((self.seed, self.number))
-        ids = np.full(self.size, SKY, np.uint8)
-        ids[height // 2 :] = ROAD
-        left = int(random.integers(0, width * 3 // 4))
-        ids[height // 2 : height * 3 // 4, left : left + width // 4] = CAR
-        rgb = np.zeros((*self.size, 3), np.uint8)
-        for labelled, colour in ((SKY, (200, 200, 205)), (ROAD, (90, 90, 90)), (CAR, (150, 40, 40))):
-            rgb[ids == labelled] = colour
-        return list(zip(self.paths(), (rgb, ids), strict=True))
+def render(seed: int, size: tuple[int, int], number: int) -> tuple[np.ndarray, np.ndarray]:
+    """A grey sky over a darker road, with a red car somewhere on it, and its labelIds."""
+    (height, width), random = size, np.random.default_rng((seed, number))
+    ids = np.full(size, SKY, np.uint8)
+    ids[height // 2 :] = ROAD
+    left = int(random.integers(0, width * 3 // 4))
+    ids[height // 2 : height * 3 // 4, left : left + width // 4] = CAR
+    rgb = np.zeros((*size, 3), np.uint8)
+    for labelled, colour in ((SKY, (200, 200, 205)), (ROAD, (90, 90, 90)), (CAR, (150, 40, 40))):
+        rgb[ids == labelled] = colour
+    return rgb, ids
 
 
-def frames(plan: Any) -> list[ToyFrame]:
+def frames(plan: Any) -> list[Frame]:
     """As many frames as `scenes.stand_in.toy_street` says; the plan is the params section `scenes.stand_in`."""
-    return [ToyFrame(plan.seed, plan.size, number) for number in range(plan.toy_street)]
+    images = [f"images/{number:03d}.png" for number in range(plan.toy_street)]
+    return [Frame([path, label(path)], render, (plan.seed, plan.size, k)) for k, path in enumerate(images)]
 
 
 STAND_IN = StandIn(counts=Count, text="of the toy test set", published="none", frames=frames)

@@ -34,7 +34,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MIST = """
 from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.schema import Count
-from foggy_synscapes.standin.layouts.layout import StandIn
+from foggy_synscapes.standin.layouts.layout import Frame, StandIn
 from foggy_synscapes.subsets.kind import Kind, Row
 from foggy_synscapes.figures.figure import Figure
 
@@ -69,17 +69,17 @@ FIGURE = Figure(text="Mist.", inputs=("images",), draw=draw, of_test_set=True)
 """
 DRAWN = """
 
-class Frame:
-    def paths(self):
-        return ["image_0.png"]
+def render():
+    import numpy as np
 
-    def files(self):
-        import numpy as np
-
-        return [("image_0.png", np.zeros((4, 4, 3), np.uint8))]
+    return [np.zeros((4, 4, 3), np.uint8)]
 
 
-STAND_IN = StandIn(counts=Count, text="Mist.", published="2", frames=lambda plan: [Frame()] * plan.mist)
+def frames(plan):
+    return [Frame(["image_0.png"], render, ())] * plan.mist
+
+
+STAND_IN = StandIn(counts=Count, text="Mist.", published="2", frames=frames)
 """
 
 

@@ -17,7 +17,7 @@ from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.labels import check_train_ids, to_train_ids
 from foggy_synscapes.params import Params, check
 from foggy_synscapes.stages.scenes import scenes
-from foggy_synscapes.standin import frames
+from foggy_synscapes.standin.layouts.synscapes import scene as synscapes_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = (32, 64)
@@ -82,7 +82,7 @@ def test_synscapes_is_complete(here: Path) -> None:
     assert len(read_index(index_of("synscapes", "0000"))) == 4 * 4
     assert len(read_index(index_of("synscapes", "0001"))) == 3 * 4
     for frame in range(1, 8):
-        scene = frames.synscapes(2019, frame - 1, SIZE)
+        scene = synscapes_scene(2019, SIZE, frame - 1)
         assert np.array_equal(read_rgb(root / synscapes.rgb(frame)), scene.rgb)
         depth = read_depth(root / synscapes.depth(frame))
         assert depth.dtype == np.float32

@@ -7,6 +7,7 @@ the folders themselves. Paths are relative to the dataset's root, with forward s
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
@@ -47,7 +48,7 @@ def write_index(index: Path, root: Path, paths: Iterable[str]) -> None:
         If a file is missing, is not a plain file, or lies outside the root (through `..` or a link).
     """
     name, cache_path = f"{index.parent.name}/{index.stem}", _cache_path(index)
-    cache = _read_cache(cache_path)
+    cache = read_cache(cache_path)
     rows, fresh = [], {}
     inside = root.resolve()
     for path in progress(sorted(paths), f"index {name}", unit="file"):
@@ -58,11 +59,11 @@ def write_index(index: Path, root: Path, paths: Iterable[str]) -> None:
             )
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
-        stamp = _stamp(file)
+        found = stamp(file)
         known = cache.get(path)
-        digest = known[1] if known and known[0] == stamp else sha256(file)
-        fresh[path] = [stamp, digest]
-        rows.append((path, stamp[0], digest))
+        digest = known[1] if known and known[0] == found else sha256(file)
+        fresh[path] = [found, digest]
+        rows.append((path, found[0], digest))
     write_csv(index, COLUMNS, rows)
     write_text(cache_path, json.dumps(fresh))
 
@@ -74,14 +75,14 @@ def changed_since_listed(index: Path, root: Path) -> list[str]:
     be judged so and gives [].
     """
     cache_path = _cache_path(index)
-    cache = _read_cache(cache_path) if index.is_file() else {}
+    cache = read_cache(cache_path) if index.is_file() else {}
     changed, touched = [], False
-    for path, (stamp, digest) in sorted(cache.items()):
-        found = _stamp(root / path)
+    for path, (listed, digest) in sorted(cache.items()):
+        found = stamp(root / path)
         # Not the inode: a copy of the folder that kept its times is as good.
-        if found[:2] == stamp[:2]:
+        if found[:2] == listed[:2]:
             continue
-        if found[:1] != stamp[:1] or sha256(root / path) != digest:
+        if found[:1] != listed[:1] or sha256(root / path) != digest:
             changed.append(path)
         else:
             cache[path], touched = [found, digest], True
@@ -94,7 +95,7 @@ def _cache_path(index: Path) -> Path:
     return CACHE / index.parent.name / f"{index.stem}.json"
 
 
-def _stamp(file: Path) -> list[int]:
+def stamp(file: Path) -> list[int]:
     """Size in bytes, modification time in ns and inode; empty where the file is missing."""
     try:
         status = file.stat()
@@ -103,8 +104,8 @@ def _stamp(file: Path) -> list[int]:
     return [status.st_size, status.st_mtime_ns, status.st_ino]
 
 
-def _read_cache(path: Path) -> dict[str, list]:
-    # The cache only saves time: one that cannot be read is as good as none.
+def read_cache(path: Path) -> dict[str, Any]:
+    """Content of a file below `CACHE`. It only saves time: one that cannot be read is as good as an empty one."""
     try:
         cache = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -41,11 +41,7 @@ class Rig:
         cp, sp = math.cos(self.pitch), math.sin(self.pitch)
         cy, sy = math.cos(self.yaw), math.sin(self.yaw)
         cr, sr = math.cos(self.roll), math.sin(self.roll)
-        right, up, forward = (
-            np.array([cy, 0, sy]),
-            np.array([-sp * sy, cp, sp * cy]),
-            np.array([-cp * sy, -sp, cp * cy]),
-        )
+        right, up, forward = np.array([[cy, 0, sy], [-sp * sy, cp, sp * cy], [-cp * sy, -sp, cp * cy]])
         return np.stack([cr * right - sr * up, sr * right + cr * up, forward])
 
     def rays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -71,18 +67,13 @@ class Rig:
         depth = points[:, 2]
         return points[:, 0] / depth * self.fx + self.u0, points[:, 1] / depth * self.fy + self.v0
 
-    def intrinsic(self) -> dict[str, float]:
-        """Field names and values as the metadata spells them."""
-        fields = asdict(self)
-        return {name: fields[name] for name in ("fx", "fy", "resx", "resy", "u0", "v0")}
-
-    def extrinsic(self) -> dict[str, float]:
-        """Field names and values as the metadata spells them."""
-        fields = asdict(self)
-        return {name: fields[name] for name in ("pitch", "roll", "x", "y", "yaw", "z")}
+    def metadata(self) -> dict[str, dict[str, float]]:
+        """The camera as the datasets describe it: "intrinsic" and "extrinsic" parameters by name."""
+        values = list(asdict(self).items())
+        return {"intrinsic": dict(values[:6]), "extrinsic": dict(values[6:])}
 
 
-def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float = 1.0) -> Rig:
+def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float) -> Rig:
     """Draw a camera near the published one, scaled to `size` (rows, columns).
 
     `spread` 1 varies it from frame to frame as a procedural data set does; near 0 it is one car's calibrated camera.
@@ -94,17 +85,8 @@ def sample_rig(rng: np.random.Generator, size: tuple[int, int], spread: float = 
         return round(float(value + spread * rng.uniform(-width, width)), 6)
 
     zoom = 1.0 + spread * rng.uniform(-0.04, 0.04)
-    return Rig(
-        fx=round(FX * scale * zoom, 5),
-        fy=round(FY * scale * zoom, 5),
-        u0=vary(U0 * scale, 0.01 * columns),
-        v0=vary(V0 / ROWS * rows, 0.01 * rows),
-        resx=columns,
-        resy=rows,
-        pitch=vary(PITCH, 0.012),
-        roll=vary(0.0, 0.006),
-        yaw=vary(YAW, 0.03),
-        x=vary(MOUNT_X, 0.2),
-        y=vary(MOUNT_Y, 0.05),
-        z=vary(HEIGHT, 0.15),
-    )
+    fx, fy = round(FX * scale * zoom, 5), round(FY * scale * zoom, 5)
+    u0, v0 = vary(U0 * scale, 0.01 * columns), vary(V0 / ROWS * rows, 0.01 * rows)
+    pitch, roll, yaw = vary(PITCH, 0.012), vary(0.0, 0.006), vary(YAW, 0.03)
+    x, y, z = vary(MOUNT_X, 0.2), vary(MOUNT_Y, 0.05), vary(HEIGHT, 0.15)
+    return Rig(fx, fy, u0, v0, columns, rows, pitch, roll, yaw, x, y, z)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from foggy_synscapes.datasets.index import read_cache, stamp
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.images import encode_depth, encode_png
 from foggy_synscapes.io.progress import progress
@@ -24,33 +25,20 @@ class Made:
 
     def __init__(self, path: Path, fingerprint: str, folder: Path) -> None:
         self.path, self.fingerprint, self.folder = path, fingerprint, folder
-        self.files: dict[str, list[int]] = {}
-        # The record only saves time: one that cannot be read, or of other params, is as good as none.
-        try:
-            document = json.loads(path.read_text(encoding="utf-8"))
-            if document["fingerprint"] == fingerprint:
-                self.files = document["files"]
-        except (OSError, ValueError, KeyError, TypeError):
-            pass
+        record = read_cache(path)
+        self.files: dict[str, list[int]] = record["files"] if record.get("fingerprint") == fingerprint else {}
 
     def has(self, paths: Iterable[str]) -> bool:
         """Whether all of these files are there as they were made."""
-        return all(path in self.files and self.files[path] == self._stamp(path) for path in paths)
+        return all(path in self.files and self.files[path] == stamp(self.folder / path) for path in paths)
 
     def add(self, paths: Iterable[str]) -> None:
         """Take these files, as they are now, for made."""
-        self.files.update((path, self._stamp(path)) for path in paths)
+        self.files.update((path, stamp(self.folder / path)) for path in paths)
 
     def save(self) -> None:
         """Write the record."""
         write_text(self.path, json.dumps({"fingerprint": self.fingerprint, "files": self.files}))
-
-    def _stamp(self, path: str) -> list[int]:
-        try:
-            status = (self.folder / path).stat()
-        except OSError:
-            return []
-        return [status.st_size, status.st_mtime_ns, status.st_ino]
 
 
 def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: int, what: str) -> None:
@@ -58,7 +46,7 @@ def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: 
 
     jobs : processes that render; what : a word for the progress shown
     """
-    folder, waiting = made.folder, [frame for frame in frames if not made.has(frame.paths())]
+    folder, waiting = made.folder, [frame for frame in frames if not made.has(frame.paths)]
     for number, files in enumerate(progress(_rendered(waiting, jobs), what, total=len(waiting)), start=1):
         for path, data in files:
             write_bytes(folder / path, data)
@@ -66,20 +54,17 @@ def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: 
         if number % CHECKPOINT == 0:
             made.save()
     made.save()
-    for path, content in lists:
-        write_bytes(folder / path, encode(path, content))
-    wanted = (
-        {folder / path for frame in frames for path in frame.paths()} | {folder / path for path, _ in lists} | {readme}
-    )
+    for path, data in lists:
+        write_bytes(folder / path, data)
+    paths = [path for frame in frames for path in frame.paths] + [path for path, _ in lists]
+    wanted = {readme, *(folder / path for path in paths)}
     for found in sorted(folder.rglob("*")):
         if found.is_file() and found not in wanted:
             found.unlink()
 
 
-def encode(path: str, content: np.ndarray | dict[str, Any] | bytes) -> bytes:
-    """Bytes of a file: of an array by the ending of its name, PNG or EXR; of a mapping as JSON; bytes as they are."""
-    if isinstance(content, bytes):
-        return content
+def encode(path: str, content: np.ndarray | dict[str, Any]) -> bytes:
+    """Bytes of a file: of an array by the ending of its name, PNG or EXR; of a mapping as JSON."""
     if isinstance(content, dict):
         return (json.dumps(content, indent=1, sort_keys=True) + "\n").encode()
     return encode_depth(content) if path.endswith(".exr") else encode_png(content)
@@ -94,4 +79,4 @@ def _rendered(frames: list[Frame], jobs: int) -> Iterator[list[tuple[str, bytes]
 
 
 def _files(frame: Frame) -> list[tuple[str, bytes]]:
-    return [(path, encode(path, content)) for path, content in frame.files()]
+    return [(path, encode(path, content)) for path, content in zip(frame.paths, frame.render(*frame.key), strict=True)]

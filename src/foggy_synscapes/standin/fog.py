@@ -4,12 +4,14 @@ It stands apart from the fog core on purpose: these pictures play the part of da
 of the fog core must not draw them anew.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from foggy_synscapes.standin import stereo
 from foggy_synscapes.standin.camera import Rig
-from foggy_synscapes.standin.noise import upsample
-from foggy_synscapes.standin.render import Scene
+from foggy_synscapes.standin.render import Scene, render, to_8_bit
+from foggy_synscapes.standin.style import upsample
 
 UNEVENNESS = 0.22
 """Standard deviation of the local beta, as a share of the mean: mild, as fog banks on a street are."""
@@ -22,16 +24,13 @@ def ray_length(depth: np.ndarray, rig: Rig) -> np.ndarray:
     return depth * np.sqrt(1 + x[None, :] ** 2 + y[:, None] ** 2)
 
 
-def photograph(scene: Scene, beta: float, rng: np.random.Generator) -> np.ndarray:
-    """The scene in fog as a camera sees it, uint8 (H, W, 3); beta in 1/m."""
-    rows, columns = scene.depth.shape
-    local = beta * np.clip(1 + UNEVENNESS * upsample(rng.standard_normal((4, 5)), (rows, columns)), 0.4, 1.8)
-    grey = rng.uniform(0.72, 0.92)
-    airlight = grey * np.array([1.0, 1.0, 1.0]) + rng.uniform(-0.02, 0.02, 3)
-    clear = np.exp(-local * ray_length(scene.depth, scene.rig))[:, :, None]
-    foggy = clear * (scene.rgb / 255.0) + (1 - clear) * airlight
-    foggy += 0.007 * rng.standard_normal(foggy.shape)
-    return np.clip(np.floor(foggy * 255 + 0.5), 0, 255).astype(np.uint8)
+def photograph(key: tuple[int, ...], size: tuple[int, int], beta: float, trains: bool) -> Scene:
+    """The scene of (seed, stream, number) in fog of beta in 1/m; `trains`: whether there may be any."""
+    scene, rng = render(key, size, real=True, overcast=True, trains=trains), np.random.default_rng((*key, 1))
+    local = beta * np.clip(1 + UNEVENNESS * upsample(rng.standard_normal((4, 5)), size), 0.4, 1.8)
+    airlight = rng.uniform(0.72, 0.92) + rng.uniform(-0.02, 0.02, 3)
+    foggy = _mixed(scene, local * ray_length(scene.depth, scene.rig), airlight)
+    return replace(scene, rgb=to_8_bit(foggy + 0.007 * rng.standard_normal(foggy.shape)))
 
 
 def from_stereo(scene: Scene, disparity: np.ndarray, betas: list[float]) -> list[np.ndarray]:
@@ -40,13 +39,12 @@ def from_stereo(scene: Scene, disparity: np.ndarray, betas: list[float]) -> list
     The atmospheric light is the mean of the brightest thousandth of the image.
     """
     length = ray_length(stereo.to_depth(stereo.complete(disparity), scene.rig.fx), scene.rig)
-    clear = scene.rgb / 255.0
-    darkest = clear.min(axis=2).ravel()
-    brightest = np.argsort(darkest, kind="stable")[-max(1, darkest.size // 1000) :]
-    airlight = clear.reshape(-1, 3)[brightest].mean(axis=0)
-    foggy = []
-    for beta in betas:
-        transmittance = np.exp(-beta * length)[:, :, None]
-        mixed = transmittance * clear + (1 - transmittance) * airlight
-        foggy.append(np.clip(np.floor(mixed * 255 + 0.5), 0, 255).astype(np.uint8))
-    return foggy
+    clear = scene.rgb.reshape(-1, 3) / 255.0
+    brightest = np.argsort(clear.min(axis=1), kind="stable")[-max(1, len(clear) // 1000) :]
+    airlight = clear[brightest].mean(axis=0)
+    return [to_8_bit(_mixed(scene, beta * length, airlight)) for beta in betas]
+
+
+def _mixed(scene: Scene, optical_depth: np.ndarray, airlight: np.ndarray) -> np.ndarray:
+    transmittance = np.exp(-optical_depth)[:, :, None]
+    return transmittance * (scene.rgb / 255.0) + (1 - transmittance) * airlight

@@ -6,9 +6,8 @@ Fog made from it is what "partially synthetic" means: real texture, imperfect de
 import numpy as np
 
 from foggy_synscapes.standin.canvas import FARTHEST
-from foggy_synscapes.standin.noise import upsample
-from foggy_synscapes.standin.render import Scene
-from foggy_synscapes.standin.street import EGO
+from foggy_synscapes.standin.render import EGO, Scene
+from foggy_synscapes.standin.style import upsample
 
 BASELINE = 0.209313
 """Metres between the two cameras of Cityscapes."""
@@ -27,20 +26,17 @@ def measure(scene: Scene, rng: np.random.Generator) -> np.ndarray:
     most of the sky and some patches; a few patches of sky match by mistake at 80 to 400 m.
     """
     rows, columns = scene.depth.shape
-    scale = columns / REFERENCE_COLUMNS
     exact = scene.rig.fx * BASELINE / scene.depth.astype(np.float64)
-    found = exact + MATCHING_ERROR * scale * rng.standard_normal(exact.shape)
+    found = exact + MATCHING_ERROR * (columns / REFERENCE_COLUMNS) * rng.standard_normal(exact.shape)
     landing = np.arange(columns) - exact
     nearer = np.minimum.accumulate(landing[:, ::-1], axis=1)[:, ::-1]
-    missing = (landing < 0) | (landing > nearer + 0.5)
     patches = upsample(rng.standard_normal((rows // 6 + 2, columns // 6 + 2)), (rows, columns))
-    missing |= (patches > 1.0) | (scene.label_ids == EGO)
     sky = scene.depth > FARTHEST
     wrong = sky & (patches < -0.75)
     found = np.where(wrong, scene.rig.fx * BASELINE / (80 + 180 * np.clip(patches + 2.5, 0, 1.75)), found)
-    missing |= sky & ~wrong
-    stored = np.clip(np.floor(found * 256 + 0.5) + 1, 1, 65535)
-    return np.where(missing, 0, stored).astype(np.uint16)
+    hidden = (landing < 0) | (landing > nearer + 0.5)
+    missing = hidden | (patches > 1.0) | (scene.label_ids == EGO) | (sky & ~wrong)
+    return np.where(missing, 0, np.clip(np.floor(found * 256 + 0.5) + 1, 1, 65535)).astype(np.uint16)
 
 
 def complete(stored: np.ndarray) -> np.ndarray:
@@ -54,24 +50,22 @@ def complete(stored: np.ndarray) -> np.ndarray:
     >>> complete(np.array([[0, 0], [513, 0]], dtype=np.uint16)).tolist()
     [[2.0, 2.0], [2.0, 2.0]]
     """
-    known = stored > 0
-    if not known.any():
-        raise ValueError("stored: no pixel of the disparity has a value")
-    value = np.where(known, (stored.astype(np.float64) - 1) / 256, 0)
-    columns = np.arange(stored.shape[1])
-    left = np.maximum.accumulate(np.where(known, columns, -1), axis=1)
-    right = np.minimum.accumulate(np.where(known, columns, stored.shape[1])[:, ::-1], axis=1)[:, ::-1]
-    from_left = np.where(left >= 0, np.take_along_axis(value, np.maximum(left, 0), axis=1), np.inf)
-    clipped = np.minimum(right, stored.shape[1] - 1)
-    from_right = np.where(right < stored.shape[1], np.take_along_axis(value, clipped, axis=1), np.inf)
-    filled = np.minimum(from_left, from_right)
+    value = np.where(stored > 0, (stored.astype(np.float64) - 1) / 256, np.inf)
+    filled = np.minimum(_carried(value), _carried(value[:, ::-1])[:, ::-1])
     good = np.flatnonzero(np.isfinite(filled).all(axis=1))
+    if not good.size:
+        raise ValueError("stored: no pixel of the disparity has a value")
     below = np.searchsorted(good, np.arange(len(filled)))
     return filled[good[np.minimum(below, len(good) - 1)]]
+
+
+def _carried(value: np.ndarray) -> np.ndarray:
+    # Each known value until the next one to its right; inf before the first.
+    last = np.maximum.accumulate(np.where(np.isfinite(value), np.arange(value.shape[1]), 0), axis=1)
+    return np.take_along_axis(value, last, axis=1)
 
 
 def to_depth(disparity: np.ndarray, fx: float) -> np.ndarray:
     """Planar depth in metres, at most that of the sky dome, from disparity and focal length in pixels."""
     with np.errstate(divide="ignore"):
-        depth = fx * BASELINE / np.maximum(disparity, 0)
-    return np.minimum(depth, 8000.0)
+        return np.minimum(fx * BASELINE / np.maximum(disparity, 0), 8000.0)

@@ -1,35 +1,27 @@
-"""Surfaces of solids: facades, walls, fences, hedges, kerbs and vehicles.
+"""Surfaces of what is built and grown: facades, roofs, pavings, walls, fences, hedges and grass.
 
-Each maker draws a look once and returns a shader (see `canvas.Shader`). `grain` is the strength of fine texture:
-small in the synthetic domain, larger in the real one.
+Each maker draws a look once and returns a shader (see `canvas.Shader`).
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
-from foggy_synscapes.standin.canvas import Hit, Shader
-from foggy_synscapes.standin.noise import noise
+from foggy_synscapes.standin.canvas import RIGHT, TOP, Hit, Shader
+from foggy_synscapes.standin.style import Style, colour, noise
 
-LEFT, RIGHT, BOTTOM, TOP, FRONT, BACK = range(6)
+GLASS = colour("222a32")
 
-
-def colour(*rgb: float) -> np.ndarray:
-    """An 8-bit colour as float32 in [0, 1]."""
-    return np.array(rgb, np.float32) / np.float32(255)
+_FACADES = "964834 ac6242 c4b28e 96948e cec8b8 b09260 78846e 846858 6e7078 bea096"
 
 
-FACADES = (
-    (150, 72, 52), (172, 98, 66), (196, 178, 142), (150, 148, 142), (206, 200, 184),
-    (176, 146, 96), (120, 132, 110), (132, 104, 88), (110, 112, 120), (190, 160, 150),
-)  # fmt: skip
-PAINTS = (
-    (150, 22, 24), (28, 44, 96), (26, 28, 32), (198, 200, 204), (120, 124, 130),
-    (60, 64, 68), (210, 208, 200), (34, 70, 58), (140, 110, 60), (56, 96, 150),
-)  # fmt: skip
-GLASS = colour(34, 42, 50)
+def _patterned(base: np.ndarray, reach: float, pattern: Callable[[Hit, np.ndarray], np.ndarray]) -> Shader:
+    # One colour times a pattern of the hits and of how much is left of fine texture, fading from `reach` metres on.
+    def shade(hit: Hit) -> tuple[np.ndarray, None]:
+        fade = np.minimum(1.0, reach / hit.depth)
+        return base * pattern(hit, fade).astype(np.float32)[:, None], None
 
-
-def _base(hit: Hit, rgb: np.ndarray, pattern: np.ndarray) -> np.ndarray:
-    return rgb[None, :] * pattern[:, None]
+    return shade
 
 
 def _sideways(hit: Hit) -> np.ndarray:
@@ -37,135 +29,118 @@ def _sideways(hit: Hit) -> np.ndarray:
     return np.where(hit.face <= RIGHT, hit.z, hit.x)
 
 
-def facade(rng: np.random.Generator, height: float, grain: float, glare: float) -> Shader:
-    """Windows in storeys on a coloured wall; `glare` is how much sky the panes mirror."""
-    wall = colour(*FACADES[rng.integers(len(FACADES))]) * np.float32(rng.uniform(0.8, 1.08))
-    trim = colour(*(60, 58, 56)) if rng.random() < 0.4 else np.minimum(wall * np.float32(1.25), 0.9)
+def facade(style: Style, height: float) -> Shader:
+    """Windows in storeys on a coloured wall."""
+    rng, grain, glare = style.rng, style.grain, style.weather.glare
+    wall = style.pick(_FACADES) * np.float32(rng.uniform(0.8, 1.08))
+    trim = colour("3c3a38") if rng.random() < 0.4 else np.minimum(wall * np.float32(1.25), 0.9)
     storey, bay = rng.uniform(2.8, 3.5), rng.uniform(2.0, 3.4)
     wide, tall = rng.uniform(0.22, 0.36), rng.uniform(0.26, 0.36)
     shop, phase = rng.random() < 0.35, rng.uniform(0, 8)
     brick = rng.random() < 0.5
 
     def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        a, b = _sideways(hit), hit.y
-        fade = np.minimum(1.0, 18.0 / hit.depth)
+        a, b, fade = _sideways(hit), hit.y, np.minimum(1.0, 18.0 / hit.depth)
         pattern = 1.0 + grain * noise(a + phase, b, 9.0) * fade + 0.6 * grain * noise(a, b + phase, 4.0)
         if brick:
-            course = (b * 6).astype(np.int32) & 1
-            pattern *= 1.0 - (0.03 + 0.4 * grain) * course * fade
+            pattern *= 1.0 - (0.03 + 0.4 * grain) * ((b * 6).astype(np.int32) & 1) * fade
         pattern *= 0.82 + 0.18 * np.minimum(1, b / 2.5)
-        rgb = _base(hit, wall, pattern.astype(np.float32))
-        column, row = np.floor((a + phase) / bay), np.floor(b / storey)
-        u, v = np.abs((a + phase) / bay - column - 0.5), np.abs(b / storey - row - 0.52)
+        rgb = wall * pattern[:, None]
+        a, b = (a + phase) / bay, b / storey
+        column, row = np.floor(a), np.floor(b)
+        u, v = np.abs(a - column - 0.5), np.abs(b - row - 0.52)
         frame = (u < wide + 0.04) & (v < tall + 0.04)
         pane = (u < wide) & (v < tall)
         if shop:
             ground = row == 0
             frame |= ground & (v < 0.42)
             pane = np.where(ground, (u < 0.45) & (v < 0.36), pane)
-        below_roof = b < height - 0.5
+        below_roof = hit.y < height - 0.5
         rgb[frame & below_roof] = trim
         lively = noise(column * 7.0 + row * 3.0, row * 5.0 + column, 3.0)
         mirror = np.clip(0.45 * glare * (0.6 + lively) + 0.05 * grain, 0, 0.6).astype(np.float32)
-        glass = GLASS[None, :] * (1 - mirror[:, None]) + mirror[:, None] * colour(200, 214, 226)
+        glass = GLASS * (1 - mirror[:, None]) + mirror[:, None] * colour("c8d6e2")
         rgb[pane & below_roof] = glass[pane & below_roof]
-        rgb[b > height - 0.35] *= np.float32(0.7)
+        rgb[hit.y > height - 0.35] *= np.float32(0.7)
         return rgb, None
 
     return shade
 
 
-def plain(rng: np.random.Generator, rgb: tuple[float, float, float], grain: float, scale: float = 5.0) -> Shader:
-    """One colour with grain: roofs, kerbs, pavements, bins."""
-    base = colour(*rgb) * np.float32(rng.uniform(0.9, 1.1))
+def plain(style: Style, codes: str, grain: float) -> Shader:
+    """One of these colours with grain: roofs, bins."""
+    base = style.pick(codes) * np.float32(style.rng.uniform(0.9, 1.1))
 
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        fade = np.minimum(1.0, 14.0 / hit.depth)
-        pattern = (
-            1.0
-            + grain * noise(hit.x + hit.y, hit.z - hit.y, scale) * fade
-            + 0.6 * grain * noise(hit.x, hit.z + hit.y, 3.0)
-        )
-        return _base(hit, base, pattern.astype(np.float32)), None
+    def rough(hit: Hit, fade: np.ndarray) -> np.ndarray:
+        near = grain * noise(hit.x + hit.y, hit.z - hit.y, 5.0) * fade
+        return 1.0 + near + 0.6 * grain * noise(hit.x, hit.z + hit.y, 3.0)
 
-    return shade
+    return _patterned(base, 14.0, rough)
 
 
-def paving(rng: np.random.Generator, grain: float) -> Shader:
+def paving(style: Style) -> Shader:
     """Slabs or cobbles of a sidewalk with a lighter kerb."""
-    base = colour(*((138, 134, 130), (124, 122, 120), (146, 138, 128))[rng.integers(3)])
-    slab = rng.uniform(0.4, 0.9)
+    base, grain = style.pick("8a8682 7c7a78 928a80"), style.grain
+    slab = style.rng.uniform(0.4, 0.9)
 
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        fade = np.minimum(1.0, 8.0 / hit.depth)
+    def slabs(hit: Hit, fade: np.ndarray) -> np.ndarray:
         u, v = hit.x / slab, hit.z / slab
         joint = ((u - np.floor(u)) < 0.1) | ((v - np.floor(v)) < 0.1)
-        tone = noise(np.floor(u), np.floor(v), 1.0)
-        pattern = 1.0 + grain * (0.9 * tone + 0.7 * noise(hit.x, hit.z, 11.0)) * fade - (0.1 + grain) * joint * fade
-        rgb = _base(hit, base, pattern.astype(np.float32))
+        tone = noise(np.floor(u), np.floor(v))
+        return 1.0 + grain * (0.9 * tone + 0.7 * noise(hit.x, hit.z, 11.0)) * fade - (0.1 + grain) * joint * fade
+
+    top = _patterned(base, 8.0, slabs)
+
+    def shade(hit: Hit) -> tuple[np.ndarray, None]:
+        rgb, _ = top(hit)
         rgb[hit.face != TOP] *= np.float32(0.75)
         return rgb, None
 
     return shade
 
 
-def masonry(rng: np.random.Generator, grain: float) -> Shader:
+def masonry(style: Style) -> Shader:
     """A free-standing wall of concrete, stone or brick with a coping."""
-    base = colour(*((152, 150, 156), (128, 124, 130), (146, 96, 82), (168, 160, 150))[rng.integers(4)])
-    block, course = rng.uniform(0.8, 1.6), rng.uniform(0.35, 0.6)
+    base = style.pick("98969c 807c82 926052 a8a096")
+    block, course = style.rng.uniform(0.8, 1.6), style.rng.uniform(0.35, 0.6)
 
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        a = _sideways(hit)
-        row = np.floor(hit.y / course)
+    def courses(hit: Hit, fade: np.ndarray) -> np.ndarray:
+        a, row = _sideways(hit), np.floor(hit.y / course)
         u = a / block + 0.5 * (row % 2)
-        fade = np.minimum(1.0, 20.0 / hit.depth)
         joint = ((u - np.floor(u)) < 0.06) | ((hit.y / course - row) < 0.12)
-        pattern = (
-            1.0
-            + grain * (noise(np.floor(u) + row * 13, row, 1.0) + 0.6 * noise(a, hit.y, 7.0)) * fade
-            - 0.22 * joint * fade
-        )
-        return _base(hit, base, pattern.astype(np.float32)), None
+        rough = noise(np.floor(u) + row * 13, row) + 0.6 * noise(a, hit.y, 7.0)
+        return 1.0 + style.grain * rough * fade - 0.22 * joint * fade
 
-    return shade
+    return _patterned(base, 20.0, courses)
 
 
-def palings(rng: np.random.Generator, grain: float) -> Shader:
+def palings(style: Style) -> Shader:
     """A fence: bars or planks with rails before a dark ground."""
-    bars = colour(*((120, 92, 64), (70, 76, 74), (176, 170, 160), (84, 96, 70))[rng.integers(4)])
+    bars, rng = style.pick("785c40 464c4a b0aaa0 546046"), style.rng
     pitch, fill, top = rng.uniform(0.35, 0.7), rng.uniform(0.35, 0.6), rng.uniform(0.0, 0.3)
+    wood = _patterned(bars, 1.0, lambda hit, _: 1.0 + style.grain * noise(_sideways(hit), hit.y, 8.0))
 
     def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        a = _sideways(hit)
-        u = a / pitch - np.floor(a / pitch)
-        bar = (u < fill) | (np.abs(hit.y - 0.25) < 0.07) | (np.abs(hit.y - 0.95 - top) < 0.07)
-        pattern = 1.0 + grain * noise(a, hit.y, 8.0)
-        rgb = _base(hit, bars, pattern.astype(np.float32))
+        rgb, _ = wood(hit)
+        u = _sideways(hit) / pitch
+        bar = (u - np.floor(u) < fill) | (np.abs(hit.y - 0.25) < 0.07) | (np.abs(hit.y - 0.95 - top) < 0.07)
         rgb[~bar] *= np.array((0.35, 0.4, 0.35), np.float32)
         return rgb, None
 
     return shade
 
 
-def hedge(rng: np.random.Generator, grain: float) -> Shader:
+def hedge(style: Style) -> Shader:
     """Clipped or wild green."""
-    base = colour(*((58, 84, 38), (72, 92, 46), (50, 72, 44))[rng.integers(3)])
-
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        a = _sideways(hit) + hit.x
-        pattern = 1.0 + (0.35 + grain) * noise(a, hit.y + hit.z, 8.0)
-        return _base(hit, base, pattern.astype(np.float32)), None
-
-    return shade
+    base, grain = style.pick("3a5426 485c2e 32482c"), 0.35 + style.grain
+    return _patterned(base, 1.0, lambda hit, _: 1.0 + grain * noise(_sideways(hit) + hit.x, hit.y + hit.z, 8.0))
 
 
-def grass(rng: np.random.Generator, grain: float) -> Shader:
+def grass(style: Style) -> Shader:
     """A verge, a median or a hill."""
-    base = colour(*((104, 122, 62), (118, 124, 70), (90, 112, 58), (126, 112, 80))[rng.integers(4)])
+    base, grain = style.pick("687a3e 767c46 5a703a 7e7050"), 0.08 + style.grain
 
-    def shade(hit: Hit) -> tuple[np.ndarray, None]:
-        fade = np.minimum(1.0, 12.0 / hit.depth)
-        pattern = 1.0 + (0.08 + grain) * noise(hit.x, hit.z, 8.0) * fade + 0.12 * noise(hit.x, hit.z, 3.0)
-        return _base(hit, base, pattern.astype(np.float32)), None
+    def tufts(hit: Hit, fade: np.ndarray) -> np.ndarray:
+        return 1.0 + grain * noise(hit.x, hit.z, 8.0) * fade + 0.12 * noise(hit.x, hit.z, 3.0)
 
-    return shade
+    return _patterned(base, 12.0, tufts)

@@ -1,17 +1,21 @@
 """The stand-in of Cityscapes."""
 
-from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from foggy_synscapes.datasets import cityscapes
 from foggy_synscapes.schema import Section, setting
-from foggy_synscapes.standin import annotate, frames, stereo
-from foggy_synscapes.standin.layouts.layout import Files, StandIn
+from foggy_synscapes.standin import stereo
+from foggy_synscapes.standin.layouts.layout import Frame, StandIn
+from foggy_synscapes.standin.render import Scene, render
+from foggy_synscapes.standin.style import is_blue
 
 CITIES = {"train": ("aachen", "bochum"), "val": ("frankfurt", "lindau")}
 """Cities of the stand-in's splits; real ones of the same splits."""
 
-STREAMS = {"train": frames.CITYSCAPES_TRAIN, "val": frames.CITYSCAPES_VAL}
+STREAMS = {"train": 2, "val": 3}
+"""Streams of random numbers."""
 
 
 class CityscapesCounts(Section):
@@ -23,45 +27,37 @@ class CityscapesCounts(Section):
     val: int = setting("of the validation split", unit="frames", ge=1)
 
 
-@dataclass(frozen=True)
-class CityscapesFrame:
-    """Frame `number` (from 0) of a split of Cityscapes with `count` frames."""
-
-    seed: int
-    size: tuple[int, int]
-    split: str
-    number: int
-    count: int
-
-    def name(self) -> str:
-        """Split, city and stem."""
-        cities = CITIES[self.split]
-        first = -(-self.count // len(cities))
-        city, sequence = cities[self.number // first], self.number % first
-        return f"{self.split}/{city}/{city}_{sequence:06d}_000019"
-
-    def paths(self) -> list[str]:
-        """Files of the frame below the root."""
-        kinds = (cityscapes.image, cityscapes.labels, cityscapes.instances, cityscapes.disparity, cityscapes.camera)
-        return [kind(self.name()) for kind in kinds]
-
-    def files(self) -> Files:
-        """Render the frame."""
-        scene, disparity = frames.cityscapes(self.seed, STREAMS[self.split], self.number, self.size)
-        intrinsic = {name: value for name, value in scene.rig.intrinsic().items() if name not in ("resx", "resy")}
-        camera = {"extrinsic": {"baseline": stereo.BASELINE, **scene.rig.extrinsic()}, "intrinsic": intrinsic}
-        instances = annotate.instance_ids(scene.label_ids, scene.instances)
-        return list(zip(self.paths(), (scene.rgb, scene.label_ids, instances, disparity, camera), strict=True))
+def name(plan: Any, split: str, number: int) -> str:
+    """Split, city and stem of frame `number` (from 0) of a split."""
+    cities = CITIES[split]
+    of_a_city = -(-getattr(plan.cityscapes, split) // len(cities))
+    city, sequence = cities[number // of_a_city], number % of_a_city
+    return f"{split}/{city}/{city}_{sequence:06d}_000019"
 
 
-def frame(plan: Any, split: str, number: int) -> CityscapesFrame:
-    """One frame of a split."""
-    return CityscapesFrame(plan.seed, plan.size, split, number, getattr(plan.cityscapes, split))
+def scene(seed: int, size: tuple[int, int], split: str, number: int) -> tuple[Scene, np.ndarray]:
+    """Frame `number` (from 0) of a split, of `size` rows and columns, and its measured disparity, uint16 (H, W)."""
+    stream = seed, STREAMS[split]
+    shown = render((*stream, number), size, real=True, blue=is_blue(stream, number), hood=True)
+    return shown, stereo.measure(shown, np.random.default_rng((*stream, number, 1)))
 
 
-def frames_of(plan: Any) -> list[CityscapesFrame]:
-    """All frames of both splits."""
-    return [frame(plan, split, k) for split in CITIES for k in range(getattr(plan.cityscapes, split))]
+def _render(seed: int, size: tuple[int, int], split: str, number: int) -> list[Any]:
+    shown, disparity = scene(seed, size, split, number)
+    camera = shown.rig.metadata()
+    camera["extrinsic"]["baseline"] = stereo.BASELINE
+    del camera["intrinsic"]["resx"], camera["intrinsic"]["resy"]
+    return [shown.rgb, shown.label_ids, shown.instance_ids(), disparity, camera]
 
 
-STAND_IN = StandIn(counts=CityscapesCounts, text="of each split", published="2,975 and 500", frames=frames_of)
+def _frames(plan: Any) -> list[Frame]:
+    kinds = cityscapes.image, cityscapes.labels, cityscapes.instances, cityscapes.disparity, cityscapes.camera
+    found = []
+    for split in CITIES:
+        for number in range(getattr(plan.cityscapes, split)):
+            paths = [kind(name(plan, split, number)) for kind in kinds]
+            found.append(Frame(paths, _render, (plan.seed, plan.size, split, number)))
+    return found
+
+
+STAND_IN = StandIn(counts=CityscapesCounts, text="of each split", published="2,975 and 500", frames=_frames)

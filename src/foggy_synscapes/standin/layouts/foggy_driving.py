@@ -1,15 +1,16 @@
 """The stand-in of Foggy Driving."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from foggy_synscapes.datasets import foggy_driving
 from foggy_synscapes.schema import Section, setting
-from foggy_synscapes.standin import annotate, frames
-from foggy_synscapes.standin.layouts.layout import Files, StandIn, lines
+from foggy_synscapes.standin import fog
+from foggy_synscapes.standin.layouts.layout import Files, Frame, StandIn, lines
+from foggy_synscapes.standin.render import Scene
 
 FINE, COARSE = 11, 12
 """Streams of random numbers."""
@@ -35,74 +36,68 @@ class DrivingCounts(Section):
     coarse: int = setting("with coarse labels", unit="frames", ge=1)
 
 
-@dataclass(frozen=True)
-class DrivingFrame:
-    """Frame `number` (from 0) of the finely or coarsely annotated part of Foggy Driving."""
-
-    seed: int
-    size: tuple[int, int]
-    number: int
-    coarse: bool
-
-    def name(self) -> str:
-        """Source and stem."""
-        source = SOURCES[self.number % len(SOURCES)]
-        return f"{source}/{source}_20190{2 if self.coarse else 1}01_{self.number:06d}"
-
-    def dense(self) -> bool:
-        """Whether the frame is in the list of densely foggy ones."""
-        return self.beta() >= DENSE
-
-    def beta(self) -> float:
-        """Density of the fog in 1/m."""
-        return BETAS[self.number % len(BETAS)]
-
-    def paths(self) -> list[str]:
-        """Files of the frame below the root: image, labelIds and, if fine, instance ids beside them."""
-        labels_path = foggy_driving.labels(self.name(), self.coarse)
-        paths = [foggy_driving.image(self.name(), self.coarse), labels_path]
-        return paths if self.coarse else [*paths, labels_path.replace("_labelIds", "_instanceIds")]
-
-    def photograph(self) -> frames.Photograph:
-        """The frame as arrays; its size varies from frame to frame."""
-        key = (self.seed, COARSE if self.coarse else FINE, self.number)
-        rows, columns = SIZES[int(np.random.default_rng((*key, 2)).integers(len(SIZES)))]
-        size = max(16, round(self.size[0] * rows)), max(16, round(self.size[1] * columns))
-        shot = frames.photograph(key, size, self.beta(), trains=True)
-        return replace(shot, label_ids=annotate.coarsen(shot.label_ids)) if self.coarse else shot
-
-    def files(self) -> Files:
-        """Render the frame."""
-        shot = self.photograph()
-        contents = [shot.rgb, shot.label_ids]
-        if not self.coarse:
-            contents.append(annotate.instance_ids(shot.label_ids, shot.instances))
-        return list(zip(self.paths(), contents, strict=True))
+def photograph(seed: int, size: tuple[int, int], coarse: bool, number: int) -> Scene:
+    """Frame `number` (from 0) of the coarsely or finely annotated part; its size varies about `size`."""
+    key = (seed, COARSE if coarse else FINE, number)
+    shares = SIZES[np.random.default_rng((*key, 2)).integers(len(SIZES))]
+    rows, columns = (round(length * share) for length, share in zip(size, shares, strict=True))
+    shot = fog.photograph(key, (rows, columns), BETAS[number % len(BETAS)], trains=True)
+    return replace(shot, label_ids=coarsen(shot.label_ids)) if coarse else shot
 
 
-def frames_of(plan: Any) -> list[DrivingFrame]:
-    """The finely, then the coarsely annotated frames."""
-    counts = plan.foggy_driving
-    return [
-        DrivingFrame(plan.seed, plan.size, k, coarse)
-        for coarse, count in ((False, counts.fine), (True, counts.coarse))
-        for k in range(count)
-    ]
+def coarsen(label_ids: np.ndarray) -> np.ndarray:
+    """Coarse labels, uint8 (H, W): blobs well inside each region, unlabelled (0) borders and small things.
+
+    The border is about one pixel in a hundred of the image's width.
+    """
+    radius = max(2, label_ids.shape[1] // 128)
+    core = np.where(_around(label_ids, radius, np.min) == _around(label_ids, radius, np.max), label_ids, 0)
+    # Grown back part of the way, where only one label is near: edges get the straightness of polygons.
+    highest = _around(core, radius - 1, np.max)
+    lowest = _around(np.where(core == 0, 255, core), radius - 1, np.min)
+    return np.where(highest == lowest, highest, 0).astype(np.uint8)
 
 
-def lists(chosen: Sequence[DrivingFrame], _scenes: Any) -> Files:
-    """The five list files of Foggy Driving, with the names and line form of the real ones."""
-    dense, fine = [frame for frame in chosen if frame.dense()], [frame for frame in chosen if not frame.coarse]
+def _around(values: np.ndarray, radius: int, choose: Any) -> np.ndarray:
+    for axis in (0, 1):
+        padded = np.pad(values, [(radius, radius) if k == axis else (0, 0) for k in (0, 1)], mode="edge")
+        values = choose(sliding_window_view(padded, 2 * radius + 1, axis), axis=-1)
+    return values
+
+
+def _render(seed: int, size: tuple[int, int], coarse: bool, number: int) -> list[Any]:
+    shot = photograph(seed, size, coarse, number)
+    return [shot.rgb, shot.label_ids] + ([] if coarse else [shot.instance_ids()])
+
+
+def _frames(plan: Any) -> list[Frame]:
+    found = []
+    for coarse, count in ((False, plan.foggy_driving.fine), (True, plan.foggy_driving.coarse)):
+        for number in range(count):
+            source = SOURCES[number % len(SOURCES)]
+            name = f"{source}/{source}_20190{2 if coarse else 1}01_{number:06d}"
+            labels = foggy_driving.labels(name, coarse)
+            instances = [] if coarse else [labels.replace("_labelIds", "_instanceIds")]
+            paths = [foggy_driving.image(name, coarse), labels, *instances]
+            found.append(Frame(paths, _render, (plan.seed, plan.size, coarse, number)))
+    return found
+
+
+def _lists(frames: list[Frame], scenes: Any) -> Files:
+    # With the names and line form of the real ones; the finely annotated frames come first.
+    counts = scenes.stand_in.foggy_driving
+    numbers = [*range(counts.fine), *range(counts.coarse)]
+    dense = [frame for frame, k in zip(frames, numbers, strict=True) if BETAS[k % len(BETAS)] >= DENSE]
     folder = "lists_file_names"
     return [
-        lines(foggy_driving.LABELS, (frame.paths()[1] for frame in chosen)),
-        lines(f"{folder}/gt_testdense_filenames.txt", (frame.paths()[1] for frame in dense)),
-        lines(foggy_driving.IMAGES, (frame.paths()[0] for frame in chosen)),
-        lines(f"{folder}/leftImg8bit_testdense_filenames.txt", (frame.paths()[0] for frame in dense)),
-        lines(f"{folder}/leftImg8bit_testfine_filenames.txt", (frame.paths()[0] for frame in fine)),
+        lines(foggy_driving.LABELS, (frame.paths[1] for frame in frames)),
+        lines(f"{folder}/gt_testdense_filenames.txt", (frame.paths[1] for frame in dense)),
+        lines(foggy_driving.IMAGES, (frame.paths[0] for frame in frames)),
+        lines(f"{folder}/leftImg8bit_testdense_filenames.txt", (frame.paths[0] for frame in dense)),
+        lines(f"{folder}/leftImg8bit_testfine_filenames.txt", (frame.paths[0] for frame in frames[: counts.fine])),
     ]
 
 
 STAND_IN = StandIn(
-    counts=DrivingCounts, text="with fine and with coarse labels", published="33 and 68", frames=frames_of, lists=lists
+    counts=DrivingCounts, text="with fine and with coarse labels", published="33 and 68", frames=_frames, lists=_lists
 )

@@ -1,30 +1,24 @@
 """What a stand-in declares: which frames it has, and the content of their files."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
-Files = list[tuple[str, Any]]
-"""Paths below the root and what is to stand there, as `drawing.encode` takes it."""
-
-
-class Frame(Protocol):
-    """A frame. It knows its files without being rendered, so that what is there already can be left alone."""
-
-    def paths(self) -> list[str]:
-        """Files of the frame below the root."""
-
-    def files(self) -> Files:
-        """Render the frame."""
+Files = list[tuple[str, bytes]]
+"""Paths below the root and what is to stand there."""
 
 
-def no_lists(_frames: Sequence[Any], _scenes: Any) -> Files:
-    """For a dataset without list files."""
-    return []
+@dataclass(frozen=True)
+class Frame:
+    """A frame. Its files are known without rendering it, so that what is there already can be left alone.
 
+    paths : its files below the root
+    render : a function of a module that makes their contents from `key`, in this order, as `drawing.encode` takes them
+    """
 
-def any_counts(_plan: Any) -> None:
-    """For a stand-in that may have as many frames as one likes."""
+    paths: Sequence[str]
+    render: Callable[..., Sequence[Any]]
+    key: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -42,10 +36,10 @@ class StandIn:
     counts: Any
     text: str
     published: str
-    frames: Callable[[Any], Sequence[Frame]]
-    lists: Callable[[Sequence[Any], Any], Files] = no_lists
+    frames: Callable[[Any], list[Frame]]
+    lists: Callable[[list[Frame], Any], Files] = field(default=lambda _frames, _scenes: [])
     others: tuple[str, ...] = ()
-    check: Callable[[Any], None] = any_counts
+    check: Callable[[Any], None] = field(default=lambda _plan: None)
 
 
 def lines(path: str, texts: Iterable[str]) -> tuple[str, bytes]:

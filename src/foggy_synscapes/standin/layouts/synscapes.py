@@ -1,41 +1,45 @@
 """The stand-in of Synscapes."""
 
-from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.schema import Count
-from foggy_synscapes.standin import annotate, frames
-from foggy_synscapes.standin.layouts.layout import Files, StandIn
+from foggy_synscapes.standin.layouts.layout import Frame, StandIn
+from foggy_synscapes.standin.render import Scene, render
+from foggy_synscapes.standin.style import is_blue
+
+STREAM = 1
+"""Of random numbers: no frame of one stream shares a scene with a frame of another."""
 
 
-@dataclass(frozen=True)
-class SynscapesFrame:
-    """Frame `id` (from 1) of Synscapes."""
-
-    seed: int
-    size: tuple[int, int]
-    id: int
-
-    def paths(self) -> list[str]:
-        """Files of the frame below the root."""
-        return [
-            name(self.id)
-            for name in (synscapes.rgb, synscapes.depth, synscapes.class_, synscapes.instance, synscapes.meta)
-        ]
-
-    def files(self) -> Files:
-        """Render the frame."""
-        scene = frames.synscapes(self.seed, self.id - 1, self.size)
-        camera = {"extrinsic": scene.rig.extrinsic(), "intrinsic": scene.rig.intrinsic()}
-        meta = {"camera": camera, "instance": scene.instance, "scene": scene.scene}
-        instances = annotate.instance_colours(scene.instances)
-        return list(zip(self.paths(), (scene.rgb, scene.depth, scene.label_ids, instances, meta), strict=True))
+def scene(seed: int, size: tuple[int, int], number: int) -> Scene:
+    """Frame `number` (from 0), of `size` rows and columns."""
+    return render((seed, STREAM, number), size, real=False, blue=is_blue((seed, STREAM), number))
 
 
-def frames_of(plan: Any) -> list[SynscapesFrame]:
-    """All frames, in the order of their ids."""
-    return [SynscapesFrame(plan.seed, plan.size, number) for number in range(1, plan.synscapes + 1)]
+def instance_colours(instances: np.ndarray) -> np.ndarray:
+    """Instance numbers uint32 (H, W) as uint8 (H, W, 3): number = R + 256 G + 65536 B.
+
+    >>> instance_colours(np.array([[240001]], dtype=np.uint32)).tolist()
+    [[[129, 169, 3]]]
+    """
+    return np.stack([(instances >> shift) & 255 for shift in (0, 8, 16)], axis=-1).astype(np.uint8)
 
 
-STAND_IN = StandIn(counts=Count, text="of the whole dataset", published="25,000", frames=frames_of)
+def _render(seed: int, size: tuple[int, int], number: int) -> list[Any]:
+    shown = scene(seed, size, number)
+    meta = {"camera": shown.rig.metadata(), "instance": shown.instance, "scene": shown.scene}
+    return [shown.rgb, shown.depth, shown.label_ids, instance_colours(shown.instances), meta]
+
+
+def _frames(plan: Any) -> list[Frame]:
+    kinds = synscapes.rgb, synscapes.depth, synscapes.class_, synscapes.instance, synscapes.meta
+    return [
+        Frame([kind(number + 1) for kind in kinds], _render, (plan.seed, plan.size, number))
+        for number in range(plan.synscapes)
+    ]
+
+
+STAND_IN = StandIn(counts=Count, text="of the whole dataset", published="25,000", frames=_frames)
