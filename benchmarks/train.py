@@ -33,7 +33,7 @@ import torch  # noqa: E402
 
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb  # noqa: E402
 from foggy_synscapes.networks import NetworkConfig  # noqa: E402
-from foggy_synscapes.networks.build import build  # noqa: E402
+from foggy_synscapes.networks.network import build  # noqa: E402
 from foggy_synscapes.networks.weights import Preprocessing  # noqa: E402
 from foggy_synscapes.training import loop, losses  # noqa: E402
 from foggy_synscapes.training.forward import Arithmetic, forward  # noqa: E402

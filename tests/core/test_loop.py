@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Preprocessing, dump
 from foggy_synscapes.training import loop
 from foggy_synscapes.training.forward import Arithmetic, NotFiniteError

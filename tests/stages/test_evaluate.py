@@ -256,8 +256,8 @@ def test_a_wrong_call_ends_with_status_2(arguments, capsys):
 def model_of(classes: int) -> bytes:
     import torch
 
-    from foggy_synscapes.networks.build import build
     from foggy_synscapes.networks.config import NetworkConfig
+    from foggy_synscapes.networks.network import build
     from foggy_synscapes.networks.weights import Preprocessing, dump
 
     torch.manual_seed(0)

@@ -197,7 +197,7 @@ def test_an_imported_backbone_is_a_start(project, capsys):
     import torch
 
     from foggy_synscapes.networks import NetworkConfig
-    from foggy_synscapes.networks.build import build
+    from foggy_synscapes.networks.network import build
 
     source = build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4)).backbone
     torch.save(source.state_dict(), "resnet18.pth")

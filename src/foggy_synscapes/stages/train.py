@@ -224,7 +224,7 @@ def _set_threads(threads: int) -> None:
 
 def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int, whole: bool = False) -> "Model":
     """The network with its start weights: random ones of the seed, or those of a file; `whole`: no random ones."""
-    from foggy_synscapes.networks.build import build
+    from foggy_synscapes.networks.network import build
     from foggy_synscapes.networks.weights import Model, Preprocessing, load_start
     from foggy_synscapes.training.streams import seed_torch
 

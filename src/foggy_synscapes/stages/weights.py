@@ -10,12 +10,12 @@ from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.matlab import read_parameters
 from foggy_synscapes.networks import NETWORKS
-from foggy_synscapes.networks.importers.layouts import layouts
+from foggy_synscapes.networks.layouts import layouts
 
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from foggy_synscapes.networks.importers.convert import Imported
+    from foggy_synscapes.networks.importing import Imported
 
 HELP = "Import public weights: whole networks, or backbones to start from."
 CONTAINERS = ("state_dict", "model", "model_state", "net", "weights")  # keys under which checkpoints keep the tensors
@@ -59,7 +59,7 @@ def weights(file: Path, network: str, out: Path, layout: str = "auto", lenient: 
         If the file cannot be read without running code in it, if its layout is unknown or of another network, or if a
         tensor is missing or left over and not `lenient`.
     """
-    from foggy_synscapes.networks.importers.convert import convert
+    from foggy_synscapes.networks.importing import convert
     from foggy_synscapes.networks.weights import dump_tensors
 
     try:
@@ -102,10 +102,10 @@ def _read(path: Path) -> dict[str, "Tensor"]:
     import torch
     from safetensors import SafetensorError
 
-    from foggy_synscapes.networks.importers import matconvnet
+    from foggy_synscapes.networks.importing import from_matconvnet
 
     if path.suffix == ".mat":
-        return matconvnet.tensors(read_parameters(path))
+        return from_matconvnet(read_parameters(path))
     try:
         if path.suffix == ".safetensors":
             return safetensors.torch.load_file(path)
