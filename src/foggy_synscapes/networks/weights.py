@@ -58,8 +58,13 @@ def dump_tensors(
 ) -> bytes:
     """A file of weights; part : "network", "backbone" or "some", of which the rest starts at random (`load_start`)."""
     about = {"format": FORMAT, "part": part, "network": asdict(config), "preprocessing": asdict(preprocessing)}
+    return pack(tensors, KEY, about)
+
+
+def pack(tensors: dict[str, Tensor], key: str, about: dict) -> bytes:
+    """A safetensors file, with `about` as JSON under a key of its metadata: the inverse of `read_tensors`."""
     plain = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
-    return safetensors.torch.save(plain, {KEY: json.dumps(about, sort_keys=True)})
+    return safetensors.torch.save(plain, {key: json.dumps(about, sort_keys=True)})
 
 
 def load_model(data: bytes) -> Model:

@@ -84,7 +84,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
     _set_threads(params.train.threads)
     from foggy_synscapes.networks.weights import dump
     from foggy_synscapes.training import loop
-    from foggy_synscapes.training.forward import Arithmetic
+    from foggy_synscapes.training.learner import Arithmetic
     from foggy_synscapes.training.ranks import ALONE
 
     ranks = ranks or ALONE
@@ -119,8 +119,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: "Ranks | Non
         label, total = f"train {network} {row}", plan.steps * policy.batch
         with tqdm(desc=label, unit="image", total=total, disable=quiet) as bar:
             outcome = loop.train(
-                model.network,
-                model.preprocessing,
+                model,
                 policy,
                 plan,
                 arithmetic,
