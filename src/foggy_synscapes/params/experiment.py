@@ -2,20 +2,87 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import create_model, model_validator
+from pydantic import Field, FiniteFloat, create_model, model_validator
 
 from foggy_synscapes.datasets.dataset import STAND_IN
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
-from foggy_synscapes.params.names import Folder
-from foggy_synscapes.params.outcomes import Evaluate, Figures, Stability, Tables, Tradeoff
+from foggy_synscapes.params.names import Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
 from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
-from foggy_synscapes.schema import Section, setting
+from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
 from foggy_synscapes.subsets.kind import FOG
+
+Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
+PAPERS_BETAS = '["0.005", "0.01", "0.02", "0.03", "0.06"]'
+
+
+class Evaluate(Section):
+    """Which test sets are scored."""
+
+    threads: int = setting("CPU threads of a job", ge=1)
+    test_sets: list[TestSet] = setting("cityscapes: the clear validation frames", min_length=1)
+
+
+class TableRow(Section):
+    """A printed row: its training row, its labels, and the published number of images (here it is the list's)."""
+
+    inline = True
+
+    row: RowName = setting("row of subset and train")
+    training: str = setting("printed: what the network was trained on")
+    fine_tuning: str = setting("printed: what it was fine-tuned on")
+    images: int | None = setting("printed beside ours: the published count", default=None, unit="images")
+
+
+class Tables(Section):
+    """What the tables print."""
+
+    rows: list[TableRow] = setting(
+        'printed, in this order; "images" is the published count, what is asked for here is in subset', min_length=1
+    )
+
+
+class Figures(Section):
+    """What the figures show."""
+
+    betas: list[Beta] = setting("of the beta strip", unit="1/m", published=PAPERS_BETAS, source="section III")
+    comparison_beta: Beta = setting(
+        "of Foggy Cityscapes against Foggy Synscapes", unit="1/m", published='"0.02"', source="figure 4"
+    )
+    images: int = setting("of each test set that are shown", unit="images", ge=1)
+
+
+class Stability(Section):
+    """How numbers are checked at their extremes."""
+
+    digits: int = setting("decimal digits of the reference arithmetic (mpmath)", ge=20, le=200)
+
+
+class Tradeoff(Section):
+    """How time is weighed against accuracy."""
+
+    betas: Annotated[list[Beta], Field(min_length=1)] = setting(
+        "at which fog is measured", unit="1/m", published=PAPERS_BETAS, source="section III"
+    )
+    frames: int = setting("kept ones that are measured", unit="frames", ge=1)
+    repeats: int = setting("times that each variant is timed on each frame; the median counts", ge=1)
+    row: RowName = setting("row of the tables whose models (of the first seed) are measured")
+    test_set: TestSet = setting("on which they are scored")
+    scales: Annotated[list[Scale], Field(min_length=1)] = setting(
+        "of the image's sides, at which the networks work; 1.0 first"
+    )
+    calibration: int = setting("of training, whose ranges the 8-bit networks take", unit="images", ge=1)
+    steps: int = setting("of training that are measured", unit="iterations", ge=1)
+
+    @model_validator(mode="after")
+    def _from_full_scale(self) -> "Tradeoff":
+        if self.scales[0] != 1 or len(set(self.scales)) != len(self.scales):
+            raise ValueError(f"scales: 1.0 first, with which the others are compared, and each once; got {self.scales}")
+        return self
 
 
 class Params(Section):
