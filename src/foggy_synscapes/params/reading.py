@@ -28,10 +28,8 @@ DEFAULTS = Path(__file__).with_name("defaults.yaml")
 def load(path: str | Path) -> Params:
     """Read and check a params file.
 
-    Raises
-    ------
-    FoggyError
-        Naming the file and the key that is missing, misspelt, twice, of a wrong type, impossible or contradicted.
+    Raises FoggyError naming the file and the key that is missing, misspelt, twice, of a wrong type, impossible or
+    contradicted.
     """
     return check(_read(path), str(path))
 

@@ -2,21 +2,20 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import torch
 
 from foggy_synscapes.datasets.calibration import calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.networks.weights import Model, load_model
 from foggy_synscapes.params import load
 from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
-
-if TYPE_CHECKING:
-    from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.tradeoff.compare import Difference
+from foggy_synscapes.tradeoff.compare import Difference
+from foggy_synscapes.tradeoff.graph import Graph
 
 HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
@@ -80,29 +79,21 @@ def run(args: argparse.Namespace) -> None:
         chosen = args.calibrate or (run_file(LIST, row=args.row) if args.row else None)
         if chosen is None:
             raise UsageError("--int8 with --model: name the images to calibrate on by --calibrate LIST")
-        params = load(args.params)
-        reader = Reader(roots(params), FOG)
+        reader = Reader(roots(load(args.params)), FOG)
         images = calibration_images(chosen, reader, args.images, composite)
     export(source, args.out, args.output, args.scale, images)
 
 
 def export(
     source: Path, out: Path, output: str = "classes", scale: float = 1.0, images: list[np.ndarray] | None = None
-) -> "Difference":
+) -> Difference:
     """Write the graph of a model file, after comparing what ONNX Runtime makes of it with PyTorch; print how far.
 
     images : uint8 (H, W, 3), RGB: with them the graph is quantised to 8 bits, calibrated on them
 
-    Raises
-    ------
-    FoggyError
-        If the file is missing, damaged or no whole model; if a package is missing; if the logits of a float32 graph
-        differ from PyTorch's by more than `TOLERANCE`.
+    Raises FoggyError if the file is missing, damaged or no whole model; if a package is missing; if the logits of a
+    float32 graph differ from PyTorch's by more than `TOLERANCE`.
     """
-    from foggy_synscapes.networks.weights import load_model
-    from foggy_synscapes.tradeoff import onnx_export
-    from foggy_synscapes.tradeoff.quantize import to_int8
-
     try:
         model = load_model(source.read_bytes())
     except OSError as error:
@@ -110,6 +101,9 @@ def export(
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     try:
+        from foggy_synscapes.tradeoff import onnx_export
+        from foggy_synscapes.tradeoff.quantize import to_int8
+
         graph = onnx_export.to_onnx(model, scale)
         if images:
             graph = to_int8(graph, images)
@@ -134,11 +128,7 @@ def export(
     return difference
 
 
-def _compare(model: "Model", scale: float, graph: bytes, images: list[np.ndarray]) -> "Difference":
-    import torch
-
-    from foggy_synscapes.tradeoff.compare import Difference
-    from foggy_synscapes.tradeoff.graph import Graph
+def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray]) -> Difference:
     from foggy_synscapes.tradeoff.session import Session
 
     session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval()
