@@ -3,9 +3,8 @@
 from functools import partial
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry
+from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry, Preprocessing
 from foggy_synscapes.networks.layouts import Layout, by_rules, torchvision_backbone
-from foggy_synscapes.networks.preprocessing import Preprocessing
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.network import Network

@@ -8,10 +8,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from foggy_synscapes.networks.config import NETWORKS, NetworkConfig
+from foggy_synscapes.networks.config import NETWORKS, NetworkConfig, Preprocessing
 from foggy_synscapes.networks.layouts import Layout, detect, layouts
 from foggy_synscapes.networks.network import build
-from foggy_synscapes.networks.preprocessing import Preprocessing
 
 WRAPPERS = ("module.", "model.", "network.")  # what wrapped modules put before every name
 COUNTER = "num_batches_tracked"  # of batch norm; files older than PyTorch 0.4.1 lack it, and nothing here reads it

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from foggy_synscapes.networks.config import BACKBONES, NETWORKS, NetworkConfig
-from foggy_synscapes.networks.preprocessing import Preprocessing
+from foggy_synscapes.networks.config import BACKBONES, NETWORKS, NetworkConfig, Preprocessing
 
 
 @dataclass(frozen=True)

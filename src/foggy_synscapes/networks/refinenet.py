@@ -3,9 +3,8 @@
 import re
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry
+from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry, Preprocessing
 from foggy_synscapes.networks.layouts import Layout, caffe_backbone, caffe_name, torchvision_backbone
-from foggy_synscapes.networks.preprocessing import Preprocessing
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.network import Network

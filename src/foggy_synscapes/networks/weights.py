@@ -5,6 +5,7 @@ The file's metadata has one key, `foggy`, with sorted JSON: several keys would b
 
 import json
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 import safetensors.torch
@@ -12,9 +13,8 @@ import torch
 from safetensors import SafetensorError
 from torch import Tensor
 
-from foggy_synscapes.networks.config import NetworkConfig
+from foggy_synscapes.networks.config import NetworkConfig, Preprocessing
 from foggy_synscapes.networks.network import Network, build
-from foggy_synscapes.networks.preprocessing import Preprocessing
 
 KEY = "foggy"
 FORMAT = 1
@@ -112,7 +112,9 @@ def _read(data: bytes) -> tuple[str, NetworkConfig, Preprocessing, dict[str, Ten
     about, tensors = read_tensors(data, KEY)
     if about.get("format") != FORMAT:
         raise ValueError(f"model file of format {about.get('format')!r}, expected {FORMAT}: made by another version?")
-    plain = {name: tuple(value) if isinstance(value, list) else value for name, value in about["preprocessing"].items()}
+    plain: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in about["preprocessing"].items()
+    }
     try:
         return about["part"], NetworkConfig(**about["network"]), Preprocessing(**plain), tensors
     except TypeError as error:

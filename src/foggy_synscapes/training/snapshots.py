@@ -32,11 +32,7 @@ class Progress:
 
 
 def dump(
-    network: Network,
-    optimiser: torch.optim.Optimizer,
-    best: dict[str, Tensor],
-    progress: Progress,
-    settings: dict,
+    network: Network, optimiser: torch.optim.Optimizer, best: dict[str, Tensor], progress: Progress, settings: dict
 ) -> bytes:
     """A snapshot. `settings` : plain values that must be the same where it is taken up again.
 
