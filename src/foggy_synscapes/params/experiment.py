@@ -1,12 +1,14 @@
 """All sections of the params, and what they have to agree on."""
 
+import itertools
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, FiniteFloat, create_model, model_validator
 
 from foggy_synscapes.datasets.dataset import STAND_IN
+from foggy_synscapes.fog.optics import lighter_than_fog
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
 from foggy_synscapes.params.names import Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
@@ -15,6 +17,7 @@ from foggy_synscapes.registry import plugin_files
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
 from foggy_synscapes.subsets.kind import FOG
+from foggy_synscapes.training.policy import Policy
 
 Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
 PAPERS_BETAS = '["0.005", "0.01", "0.02", "0.03", "0.06"]'
@@ -85,6 +88,18 @@ class Tradeoff(Section):
         return self
 
 
+class Training(NamedTuple):
+    """How long a network trains in a row. images_seen : drawn; the last step is always followed by a validation."""
+
+    network: str
+    row: str
+    policy: Policy
+    listed: int
+    iterations: int
+    images_seen: int
+    validations: int
+
+
 class Params(Section):
     """The whole experiment."""
 
@@ -146,6 +161,21 @@ class Params(Section):
         if self.scenes.roots["synscapes"] == STAND_IN and asked > drawn:
             raise ValueError(f"scenes.stand_in.synscapes: {drawn} frames, fewer than fog.frames asks for")
         return self
+
+    def warnings(self) -> list[str]:
+        """What is possible and yet departs from what the experiment is about."""
+        return [f"fog.betas: {text}" for beta in self.fog.betas if (text := lighter_than_fog(float(beta)))]
+
+    def trainings(self) -> list[Training]:
+        """What is trained, once per seed: without rows whose model is a network's own weights as they are."""
+        found = []
+        for network, (row, entry) in itertools.product(self.train.networks, self.subset.rows().items()):
+            policy, schedule = self.train.policy(network, row), self.train.schedule(network, row)
+            if policy is not None and schedule is not None:
+                listed, batch = entry.counts()[0], policy.batch
+                steps, every = schedule.length.steps(listed, batch), schedule.validate_.steps(listed, batch)
+                found.append(Training(network, row, policy, listed, steps, steps * batch, -(-steps // every)))
+        return found
 
     @property
     def stand_in(self) -> bool:

@@ -20,9 +20,10 @@ Every key of a params file. `foggy params --docs` makes this page, and `foggy pa
 `docs/params.schema.json` by which editors complete and check, both of the same source as the checks themselves.
 
 A params file is an overlay on the packaged defaults: it states only what differs. Sections are merged key by key.
-Lists, lengths (`epochs` or `iterations`) and mappings whose keys you name (the lists of `subset`, `train.rows`) are
-replaced whole where the file states them. `foggy params --file FILE` prints what comes of it, complete; `--check` says
-what does not fit together.
+Lists, lengths (`images`, `epochs` or `iterations`) and mappings whose keys you name (the lists of `subset`,
+`train.rows`) are replaced whole where the file states them. A file that names another of its folder as its `base` is
+laid on that one first. `foggy params --file FILE` prints what comes of it, complete; `--check` says what does not fit
+together.
 
 | you want | do |
 |---|---|
@@ -48,6 +49,8 @@ def json_schema() -> str:
     not change.
     """
     schema = model().model_json_schema(by_alias=True)
+    about = "another params file, from the folder of this one, on which this one is laid"
+    schema["properties"] = {"base": {"type": "string", "description": about}, **schema["properties"]}
     for definition in (schema, *(schema["$defs"][each.__name__] for each in _merged(model()))):
         definition.pop("required", None)
     return json.dumps({"$schema": DIALECT, **_untitled(schema)}, indent=2, ensure_ascii=False) + "\n"

@@ -11,11 +11,13 @@ KNOWN: dict[str, str] = {
     "subset.pure.FS-498": "published: the first 498 images; section IV.B",
     "subset.pure.FS-ImageNet": "the list of FS-24500, for a start without Cityscapes; section IV.D",
     "subset.mixed.FC-FS-498": "published: 498 images in Table I; 24,500 as section IV.C implies; section IV.C",
+    "subset.mixed.FC-FS-24500": "24,500 as section IV.C implies: Foggy Cityscapes is repeated",
+    "train.rows.FC-FS-24500": "not stated; as many images as FS-24500",
     "train.rows.FC-498": "published: 50 epochs; section IV.A",
-    "train.rows.FS-24500": "published: 1 epoch, validated every 125 iterations; section IV.A",
+    "train.rows.FS-24500": "published: 1 epoch, validated every 500 images; section IV.A",
     "train.rows.FS-498": "not stated; as long as FC-498",
-    "train.rows.FC-FS-498": "not stated; as many iterations as FC-498",
-    "train.rows.C-control": "not in the paper: as many iterations as a fine-tuning, FC-498",
+    "train.rows.FC-FS-498": "not stated; at full size as many images as FC-498",
+    "train.rows.C-control": "not in the paper: as many images as a fine-tuning, FC-498",
     "train.rows.FS-ImageNet": (
         "section IV.D: reported as worse than row C; directly on Foggy Synscapes, from ImageNet weights"
     ),

@@ -139,6 +139,10 @@ class Train(Section):
         start = self._start(network, row)
         return start.policy if start is not None and start.policy is not None else self.network(network).baseline
 
+    def schedule(self, network: str, row: str) -> Row | BaselinePolicy | None:
+        """How long a network trains in a row and how often it is validated; None where it does not train."""
+        return self.rows[row] or self.network(network).baseline
+
     def weights(self, network: str, row: str) -> str:
         """File that a row in `from_weights` starts from, or none."""
         start = self._start(network, row)

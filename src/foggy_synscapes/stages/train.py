@@ -79,7 +79,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     # Filling new memory would only hide reads of it, which these operations do not make, and costs time.
     torch.utils.deterministic.fill_uninitialized_memory = False  # type: ignore[attr-defined]  # not in PyTorch's types
     settings, policy = asked.network(network), asked.policy(network, row)
-    schedule = asked.rows[row] or settings.baseline
+    schedule = asked.schedule(network, row)
     this = job(params, "train", network=network, row=row, seed=seed)
     label = f"train {network} {row}"
     if policy is None or schedule is None:
