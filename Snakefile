@@ -180,7 +180,7 @@ def threads_of(step):
 
 
 def gpus(step):
-    return 1 if step.gpu and PARAMS.train.device == "cuda" else 0
+    return 1 if step.gpu and PARAMS.device_of(step.word) != "cpu" else 0
 
 
 def command(step):

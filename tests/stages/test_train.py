@@ -239,6 +239,51 @@ def test_memory_that_does_not_do_names_the_setting(project, monkeypatch, capsys)
     refused(capsys, "not enough memory", "train.bisenet.*.accumulate")
 
 
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (RuntimeError("CUDA error: an illegal memory access was encountered"), False),
+        ("OutOfMemoryError", True),
+    ],
+    ids=["illegal access", "too little"],
+)
+def test_only_want_of_memory_is_called_so(project, monkeypatch, capsys, error, told):
+    import torch
+
+    from foggy_synscapes.training import loop
+
+    def fail(*_arguments, **_more):
+        raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 2 GiB") if told else error
+
+    monkeypatch.setattr(loop, "train", fail)
+    assert train() == 1
+    message = capsys.readouterr().err
+    assert ("not enough memory" in message) is told
+    assert ("illegal memory access" in message) is not told
+
+
+def test_a_gpu_that_is_not_there_is_named(project, capsys):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    project(("device",), "cuda")
+    refused(capsys, "device: cuda, but PyTorch", "finds no GPU")
+
+
+def test_auto_is_the_cpu_where_there_is_no_gpu(project):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU, which auto takes")
+    assert train() == 0
+    first = hashes()
+    project(("device",), "auto")
+    assert train() == 0
+    assert hashes()["model.safetensors"] == first["model.safetensors"]
+    assert "gpu" not in json.loads(Path("results/train/bisenet/C/seed-0/run.json").read_text())
+
+
 def test_a_public_model_is_row_c_where_the_baseline_is_not_trained(project, capsys):
     assert train() == 0
     Path("results/train/bisenet/C/seed-0/model.safetensors").rename("public.safetensors")

@@ -92,9 +92,10 @@ class Preprocessing:
         batch, _, height, width = images.shape
         std, mean = (torch.tensor(values, dtype=torch.float64) for values in (self.std, self.mean))
         # Constants as long as a row: with three of them the innermost loop would have three steps only.
-        factor, offset = (values.float().repeat(width).to(images.device) for values in (self.scale / std, -mean / std))
-        rows = images.permute(0, 2, 3, 1).reshape(batch, height, width * 3).to(torch.float32)
-        return rows.mul_(factor).add_(offset).view(batch, height, width, 3).permute(0, 3, 1, 2)
+        rows = (values.float().repeat(width) for values in (self.scale / std, -mean / std))
+        factor, offset = (row.to(images.device, non_blocking=True) for row in rows)
+        pixels = images.permute(0, 2, 3, 1).reshape(batch, height, width * 3).to(torch.float32)
+        return pixels.mul_(factor).add_(offset).view(batch, height, width, 3).permute(0, 3, 1, 2)
 
 
 @dataclass(frozen=True)

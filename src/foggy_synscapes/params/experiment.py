@@ -10,7 +10,7 @@ from pydantic import Field, FiniteFloat, create_model, model_validator
 from foggy_synscapes.datasets.dataset import STAND_IN
 from foggy_synscapes.fog.optics import lighter_than_fog
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
-from foggy_synscapes.params.names import Folder, RowName, TestSet
+from foggy_synscapes.params.names import Device, Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
 from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
@@ -23,10 +23,22 @@ Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
 PAPERS_BETAS = '["0.005", "0.01", "0.02", "0.03", "0.06"]'
 
 
+class Gpu(Section):
+    """How a GPU computes; nothing of it matters on a CPU, where the same bytes come out each time."""
+
+    tf32: bool = setting("TensorFloat-32 (10 bits of mantissa) in products of float32 numbers")
+    deterministic: bool = setting(
+        "only algorithms that give the same bytes each time; resizing is several times slower by them"
+    )
+    search: bool = setting("let cuDNN time its convolutions and take the fastest, which may differ from run to run")
+
+
 class Evaluate(Section):
-    """Which test sets are scored."""
+    """Which test sets are scored, and how."""
 
     threads: int = setting("CPU threads of a job", ge=1)
+    device: Device | None = setting("where networks predict; null: where `device` says")
+    workers: int = setting("threads that read and decode images ahead; 0: none", ge=0)
     test_sets: list[TestSet] = setting("cityscapes: the clear validation frames", min_length=1)
 
 
@@ -104,6 +116,8 @@ class Params(Section):
     """The whole experiment."""
 
     plugins: Folder | None = setting("folder of your own modules (networks, datasets, ...), from where a job runs")
+    device: Device = setting("where networks compute; auto: on a GPU where there is one")
+    gpu: Gpu
     scenes: Scenes
     filter: Filter
     fog: Fog
@@ -161,6 +175,10 @@ class Params(Section):
         if self.scenes.roots["synscapes"] == STAND_IN and asked > drawn:
             raise ValueError(f"scenes.stand_in.synscapes: {drawn} frames, fewer than fog.frames asks for")
         return self
+
+    def device_of(self, word: str) -> Device:
+        """Where the networks of a command compute, such as train: where its section says, or else `device`."""
+        return getattr(getattr(self, word, None), "device", None) or self.device
 
     def warnings(self) -> list[str]:
         """What is possible and yet departs from what the experiment is about."""

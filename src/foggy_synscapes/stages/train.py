@@ -18,6 +18,7 @@ from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS
+from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump, load_start
 from foggy_synscapes.params import BASELINE, Params, load
@@ -74,10 +75,6 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     the start weights are of another network; if the loss is no number; if the snapshot was taken with other settings.
     """
     asked = params.train
-    torch.set_num_threads(asked.threads)  # part of what makes the bytes
-    torch.use_deterministic_algorithms(True)
-    # Filling new memory would only hide reads of it, which these operations do not make, and costs time.
-    torch.utils.deterministic.fill_uninitialized_memory = False  # type: ignore[attr-defined]  # not in PyTorch's types
     settings, policy = asked.network(network), asked.policy(network, row)
     schedule = asked.schedule(network, row)
     this = job(params, "train", network=network, row=row, seed=seed)
@@ -111,14 +108,15 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
             seed=int(seed),
             workers=asked.workers,
         )
-        ranks.take_device(asked.device)
+        device = take(params.device_of("train"), asked.threads, **params.gpu.model_dump())
+        ranks.take_device(device)
         quiet = None if ranks.first else True
         with tqdm(desc=label, unit="image", total=plan.steps * policy.batch, disable=quiet) as bar:
             outcome = loop.train(
                 model,
                 policy,
                 plan,
-                Arithmetic(asked.device, asked.precision, asked.memory_format, asked.compile),
+                Arithmetic(device, asked.precision, asked.memory_format, asked.compile),
                 training,
                 validation,
                 save=lambda data: write_bytes(snapshot, data),
@@ -132,7 +130,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     if not ranks.first:
         return
     model.network.load_state_dict(outcome.best)
-    _finish(run, model, outcome.curve, ranks.count)
+    _finish(run, model, outcome.curve, ranks.count, device)
     snapshot.unlink(missing_ok=True)
     print(
         f"{label}: {plan.steps} iterations, validation loss {outcome.best_loss:.3f} after iteration "
@@ -155,7 +153,12 @@ def _explained(network: str, row: str, policy: Policy, snapshot: Path) -> Iterat
         if type(error).__module__.startswith(("torch._dynamo", "torch._inductor")):
             text = " ".join(str(error).split())[:300]
             raise FoggyError(f"{network} {row}: torch.compile: {text} Set train.compile to false.") from error
-        if "memory" not in str(error):
+        if "CUDA error" in str(error):
+            raise FoggyError(
+                f"{network} {row}: the GPU failed: {str(error).splitlines()[0]}. Start again to go on from the snapshot; "
+                "with CUDA_LAUNCH_BLOCKING=1 and --debug it says where."
+            ) from error
+        if not isinstance(error, torch.OutOfMemoryError) and "allocate memory" not in str(error):
             raise
         raise FoggyError(
             f"{network} {row}: not enough memory for batches of {policy.batch} crops of {policy.crop[0]} x "
@@ -163,11 +166,11 @@ def _explained(network: str, row: str, policy: Policy, snapshot: Path) -> Iterat
         ) from error
 
 
-def _finish(run: Run, model: Model, curve: list | None = None, processes: int = 1) -> None:
+def _finish(run: Run, model: Model, curve: list | None = None, processes: int = 1, device: str = "cpu") -> None:
     """Write the model, its curve and the run record."""
     write_bytes(run.job.output("model"), dump(model.network, model.preprocessing))
     write_csv(run.job.output("curves"), loop.CURVE, curve or [])
-    run.finish(processes=processes)
+    run.finish(processes=processes, device=device)
 
 
 def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int, whole: bool = False) -> Model:

@@ -26,7 +26,8 @@ class NotFiniteError(ValueError):
 class Arithmetic:
     """Where and on which numbers a network computes.
 
-    device : "cpu" or "cuda"; precision : "float32", or "bfloat16" (autocast: weights stay float32)
+    device : "cpu" or "cuda"
+    precision : "float32", or by autocast, with weights in float32, "bfloat16" or "float16", where the loss is scaled
     memory_format : "channels_last", in which convolutions on processors are faster, or "contiguous"
     compile : train on the network compiled by `torch.compile`; validation stays as it is, for images of any size
     """
@@ -60,8 +61,12 @@ class Learner:
         self.arithmetic = arithmetic
         self.network.to(device=arithmetic.device, memory_format=arithmetic.layout())  # type: ignore[call-overload]
         set_training(self.network, policy)
+        half = arithmetic.precision == "float16"
+        # Fused, it skips the steps in which scaled gradients overflowed without asking the GPU.
+        fused = True if half and arithmetic.device == "cuda" else None
         groups = parameter_groups(self.network, policy)
-        self.optimiser = torch.optim.SGD(groups, lr=policy.learning_rate, momentum=policy.momentum)
+        self.optimiser = torch.optim.SGD(groups, lr=policy.learning_rate, momentum=policy.momentum, fused=fused)
+        self.scaler = torch.amp.GradScaler(arithmetic.device, enabled=half)
         self._parallel: DistributedDataParallel | None = None
         self._outputs: Callable[[Tensor], list[Tensor]] = self.network.outputs
 
@@ -89,10 +94,11 @@ class Learner:
         device, precision = self.arithmetic.device, self.arithmetic.precision
         inputs = padded(self.preprocessing.apply(images.to(device, non_blocking=True)))
         compute = self.network.outputs if outputs is None else outputs
-        with torch.autocast(device, torch.bfloat16, enabled=precision == "bfloat16"):
+        with torch.autocast(device, getattr(torch, precision), enabled=precision != "float32"):
             found = compute(inputs.contiguous(memory_format=self.arithmetic.layout()))
         below, right = inputs.shape[-2] - labels.shape[-2], inputs.shape[-1] - labels.shape[-1]
-        labels = functional.pad(labels, (0, right, 0, below), value=losses.IGNORE)
+        if below or right:  # else pinned memory stays pinned
+            labels = functional.pad(labels, (0, right, 0, below), value=losses.IGNORE)
         targets = losses.grid(labels, self.policy.loss_stride, self.network.corners)
         return found, targets.to(device, non_blocking=True)
 
@@ -108,11 +114,12 @@ class Learner:
                 outputs, targets = self.forward(images, labels, self._outputs)
                 loss = losses.total(outputs, targets, self.network.corners, self.policy, self.ranks) / passes
                 # Gradients are averaged over the processes, but the loss is the sum of their parts.
-                (loss * count if count > 1 else loss).backward()
+                self.scaler.scale(loss * count if count > 1 else loss).backward()
             value += self.ranks.total(loss.detach())
         found = float(value)  # the only time that a step waits for the device
         if math.isfinite(found):
-            self.optimiser.step()
+            self.scaler.step(self.optimiser)
+            self.scaler.update()
         return found
 
     def validate(self, batches: Iterable[Batch], name: Callable[[int], str]) -> tuple[float, float]:

@@ -90,6 +90,7 @@ def train(
     progress = Progress()
     if snapshot is not None:
         best, progress = snapshots.restore(snapshot, learner.network, learner.optimiser, settings)
+        learner.scaler.load_state_dict(progress.scaler)
         for row in progress.curve:
             record(row)
     ranks.agree(json.dumps([settings, progress.step], sort_keys=True))
@@ -124,6 +125,7 @@ def train(
             progress.losses = [0.0, 0]
             record(progress.curve[-1])
         if ranks.first and done % plan.snapshot_every == 0 and not last:
+            progress.scaler = learner.scaler.state_dict()
             save(snapshots.dump(learner.network, learner.optimiser, best, progress, settings))
         report(done, loss, rate)
     return Outcome(best, progress.best_step, progress.best_loss, progress.curve, watch.share)

@@ -63,7 +63,7 @@ def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: floa
     pixels are those of all processes (see `cross_entropy`).
     Source: TorchSeg (ProbOhemCrossEntropy2d), stated there on probabilities; on losses it holds for extreme logits too.
     """
-    limit = losses.new_tensor(-math.log(threshold))
+    limit = losses.new_full((1,), -math.log(threshold))
     most = int(kept * (labelled.numel() * ranks.count))
     if most:
         # Ignored pixels must not take places among the hardest: their loss of 0 ties with perfect predictions.
@@ -72,7 +72,7 @@ def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: floa
         hardest = ranks.gathered(candidates.topk(min(most, len(candidates))).values).topk(most).values
         # Without asking how many are labelled, for which a GPU would have to be waited for.
         at_least = ranks.total(labelled.sum()).clamp(1, most)
-        limit = torch.minimum(limit, hardest[at_least - 1])
+        limit = torch.minimum(limit, hardest.gather(0, (at_least - 1).view(1)))
     hard = labelled & (losses >= limit)
     return cross_entropy(losses * hard, hard, ranks)
 

@@ -22,6 +22,7 @@ class Progress:
 
     step : steps done; curve : rows (see `loop.CURVE`); losses : sum and number of step losses since the last row
     best_loss, best_step : lowest validation loss so far and the step after which it was reached
+    scaler : state of the loss scaling of float16, where there is one
     """
 
     step: int = 0
@@ -29,6 +30,7 @@ class Progress:
     losses: list[float] = field(default_factory=lambda: [0.0, 0])
     best_loss: float | None = None
     best_step: int | None = None
+    scaler: dict[str, float] = field(default_factory=dict)
 
 
 def dump(
