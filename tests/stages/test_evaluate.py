@@ -342,6 +342,28 @@ def test_the_same_model_gives_the_same_bytes(params):
     assert [(folder / name).read_bytes() for name in names] == first
 
 
+def with_(params, **values):
+    return params.model_copy(update={"evaluate": params.evaluate.model_copy(update=values)})
+
+
+def test_images_that_threads_read_ahead_give_the_same_bytes(params, capsys):
+    evaluate(params, "bisenet", "C", "0", "foggy_zurich")
+    folder = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0")
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    evaluate(with_(params, workers=2, device="auto"), "bisenet", "C", "0", "foggy_zurich")
+    assert (folder / "predictions.tar").read_bytes() == first["predictions.tar"]
+    assert (folder / "metrics.json").read_bytes() == first["metrics.json"]
+    assert "waited for images" in capsys.readouterr().out
+
+
+def test_a_gpu_that_is_not_there_is_named(params):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    fails(with_(params, device="cuda"), "device: cuda, but PyTorch .* finds no GPU")
+
+
 def fails(params, message: str) -> None:
     with pytest.raises(FoggyError, match=message):
         evaluate(params, "bisenet", "C", "0", "foggy_zurich")

@@ -11,6 +11,7 @@ from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.weights import Model, load_model
 from foggy_synscapes.params import load
 from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
@@ -55,6 +56,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help="list of training images (CSV of `foggy subset`) for --int8 (default: the one that the row trained on)",
     )
+    parser.add_argument(
+        "--device",
+        default="cpu",
+        choices=["cpu", "cuda", "auto"],
+        help="where PyTorch computes what the graph is compared with (default: cpu)",
+    )
     parser.add_argument("--images", type=int, default=32, metavar="N", help="images of LIST to use (default: 32)")
 
 
@@ -81,11 +88,16 @@ def run(args: argparse.Namespace) -> None:
             raise UsageError("--int8 with --model: name the images to calibrate on by --calibrate LIST")
         reader = Reader(roots(load(args.params)), FOG)
         images = calibration_images(chosen, reader, args.images, composite)
-    export(source, args.out, args.output, args.scale, images)
+    export(source, args.out, args.output, args.scale, images, args.device)
 
 
 def export(
-    source: Path, out: Path, output: str = "classes", scale: float = 1.0, images: list[np.ndarray] | None = None
+    source: Path,
+    out: Path,
+    output: str = "classes",
+    scale: float = 1.0,
+    images: list[np.ndarray] | None = None,
+    device: str = "cpu",
 ) -> Difference:
     """Write the graph of a model file, after comparing what ONNX Runtime makes of it with PyTorch; print how far.
 
@@ -95,6 +107,7 @@ def export(
     float32 graph differ from PyTorch's by more than `TOLERANCE`.
     """
     try:
+        device = take(device, torch.get_num_threads())
         model = load_model(source.read_bytes())
     except OSError as error:
         raise FoggyError(f"{source}: the model cannot be read: {error.strerror}") from error
@@ -109,7 +122,7 @@ def export(
             graph = to_int8(graph, images)
         random = np.random.default_rng(0)
         samples = images or [random.integers(0, 256, (*size, 3), np.uint8) for size in SIZES]
-        difference = _compare(model, scale, graph, samples)
+        difference = _compare(model, scale, graph, samples, device)
         data = onnx_export.with_output(graph, output)
     except ImportError as error:
         raise FoggyError(f"the ONNX format needs the packages {PACKAGES} ({error})") from error
@@ -128,13 +141,13 @@ def export(
     return difference
 
 
-def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray]) -> Difference:
+def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray], device: str) -> Difference:
     from foggy_synscapes.tradeoff.session import Session
 
-    session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval()
+    session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval().to(device)
     difference = Difference()
     for image in images:
         with torch.inference_mode():
-            reference = eager(torch.from_numpy(image)[None])[0][0].numpy()
+            reference = eager(torch.from_numpy(image)[None].to(device))[0][0].cpu().numpy()
         difference.add(reference, session(image, "logits"))
     return difference

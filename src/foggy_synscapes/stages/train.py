@@ -155,8 +155,8 @@ def _explained(network: str, row: str, policy: Policy, snapshot: Path) -> Iterat
             raise FoggyError(f"{network} {row}: torch.compile: {text} Set train.compile to false.") from error
         if "CUDA error" in str(error):
             raise FoggyError(
-                f"{network} {row}: the GPU failed: {str(error).splitlines()[0]}. Start again to go on from the snapshot; "
-                "with CUDA_LAUNCH_BLOCKING=1 and --debug it says where."
+                f"{network} {row}: the GPU failed: {str(error).splitlines()[0]}. Start again to go on from the "
+                "snapshot; with CUDA_LAUNCH_BLOCKING=1 and --debug it says where."
             ) from error
         if not isinstance(error, torch.OutOfMemoryError) and "allocate memory" not in str(error):
             raise

@@ -1,9 +1,6 @@
 """Batches of samples, from this process or from loader workers: the same either way."""
 
-import itertools
-import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -114,40 +111,6 @@ def ahead(items: Dataset, workers: int, pinned: bool = False) -> Iterable[Batch]
 
 def _one_thread(_worker: int) -> None:
     torch.set_num_threads(1)
-
-
-class Watch:
-    """Passes batches on, and takes the time that is waited for them but for the first, before which workers start."""
-
-    def __init__(self, batches: Iterable[Batch]) -> None:
-        self._batches, self._waited, self._between = batches, 0.0, 0.0
-
-    def __iter__(self) -> Iterator[Batch]:
-        source = iter(self._batches)
-        yield from itertools.islice(source, 1)
-        self._between = 0.0
-        while True:
-            begin = time.perf_counter()
-            found = next(source, None)
-            end = time.perf_counter()
-            if found is None:
-                return
-            self._waited += end - begin
-            yield found
-            self._between += time.perf_counter() - end
-
-    @contextmanager
-    def paused(self) -> Iterator[None]:
-        """Within it, as in a validation, time does not count."""
-        begin = time.perf_counter()
-        yield
-        self._between -= time.perf_counter() - begin
-
-    @property
-    def share(self) -> float:
-        """Time waited, as a share of all; 0 where there was one batch."""
-        whole = self._waited + self._between
-        return self._waited / whole if whole > 0 else 0.0
 
 
 class Carried(Dataset):

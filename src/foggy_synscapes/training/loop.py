@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
+from foggy_synscapes.io.ahead import Watch
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.training import snapshots
 from foggy_synscapes.training.learner import Arithmetic, Learner, NotFiniteError
-from foggy_synscapes.training.loader import Samples, Steps, Watch, Whole, ahead, groups
+from foggy_synscapes.training.loader import Samples, Steps, Whole, ahead, groups
 from foggy_synscapes.training.policy import Policy
 from foggy_synscapes.training.ranks import ALONE, Ranks
 from foggy_synscapes.training.snapshots import Progress
