@@ -175,7 +175,16 @@ def _predictions(
     """
     tally = Tally()
     for rgb, truth, image, label in pairs:
-        predicted = model.predict(rgb)
+        try:
+            predicted = model.predict(rgb)
+        except RuntimeError as error:
+            # By its name: this module is imported without PyTorch, too.
+            if type(error).__name__ != "OutOfMemoryError":
+                raise
+            size = f"{rgb.shape[0]} x {rgb.shape[1]}"
+            raise FoggyError(
+                f"{image}: not enough memory on the GPU for {size} pixels. Set evaluate.device to cpu."
+            ) from error
         try:
             tally.add(truth, predicted, label, image)
         except ValueError as error:
