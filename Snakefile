@@ -59,6 +59,8 @@ try:
     PARAMS = parameters.load(PARAMS_FILE)
 except FoggyError as error:
     raise WorkflowError(str(error))
+for warning in PARAMS.warnings():
+    print(f"{PARAMS_FILE}: warning: {warning}", file=sys.stderr)
 
 # Commands read params.yaml unless told otherwise; so both engines run the same line on the same file.
 PARAMS_OPTION = (
@@ -178,7 +180,7 @@ def threads_of(step):
 
 
 def gpus(step):
-    return 1 if step.gpu and PARAMS.train.device == "cuda" else 0
+    return 1 if step.gpu and PARAMS.device_of(step.word) != "cpu" else 0
 
 
 def command(step):

@@ -18,7 +18,7 @@ import numpy as np
 import torch
 
 from foggy_synscapes.networks import NETWORKS
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing
 from foggy_synscapes.tradeoff.networks import EAGER, INT8, THREADS, backends_at
 

@@ -15,7 +15,6 @@ import argparse
 import os
 import statistics
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 from foggy_synscapes.params import load
@@ -33,12 +32,11 @@ import torch  # noqa: E402
 
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb  # noqa: E402
 from foggy_synscapes.networks import NetworkConfig  # noqa: E402
-from foggy_synscapes.networks.build import build  # noqa: E402
-from foggy_synscapes.networks.weights import Preprocessing  # noqa: E402
+from foggy_synscapes.networks.network import build  # noqa: E402
+from foggy_synscapes.networks.weights import Model, Preprocessing  # noqa: E402
 from foggy_synscapes.training import loop, losses  # noqa: E402
-from foggy_synscapes.training.forward import Arithmetic, forward  # noqa: E402
-from foggy_synscapes.training.loader import Steps, batches  # noqa: E402
-from foggy_synscapes.training.parameters import parameter_groups, set_training  # noqa: E402
+from foggy_synscapes.training.learner import Arithmetic, Learner  # noqa: E402
+from foggy_synscapes.training.loader import Steps  # noqa: E402
 
 
 class Noise:
@@ -82,29 +80,11 @@ def waiting(name: str) -> None:
     network = build(NetworkConfig(name, settings.backbone, settings.width, settings.decoder))
     files, shares = Files(), []
     for workers in (0, 1, 2):
-        waited: list[float] = []
-
-        def watched(*arguments: object, into: list[float] = waited, **more: object) -> Iterator:
-            source = batches(*arguments, **more)
-            while True:
-                begin = time.perf_counter()
-                batch = next(source, None)
-                into.append(time.perf_counter() - begin)
-                if batch is None:
-                    return
-                yield batch
-
-        loop.batches = watched
         count = arguments.steps * 2
         plan = loop.Plan(count, count, 10, count, 0, workers)
-        ends: list[float] = []
-        loop.train(
-            network, Preprocessing(), policy, plan, arithmetic, files, files, lambda _: None, {},
-            report=lambda *_, into=ends: into.append(time.perf_counter()),
-        )  # fmt: skip
-        # Without the first steps, in which the workers start, and the last, which validates.
-        shares.append(f"{workers}: {sum(waited[3 : count - 1]) / (ends[count - 2] - ends[2]):.1%}")
-    loop.batches = batches
+        model = Model(network, Preprocessing())
+        outcome = loop.train(model, policy, plan, arithmetic, files, files, lambda _: None, {})
+        shares.append(f"{workers}: {outcome.waited:.1%}")
     print(f"{name}: waits for batches, by loader processes, {', '.join(shares)} of the time")
 
 
@@ -128,28 +108,25 @@ def measure(name: str) -> None:
         one.count = 1
         clock.last = time.process_time()
         loop.train(
-            network, preprocessing, policy, plan, arithmetic, noise, one, lambda _: None, {},
+            Model(network, preprocessing), policy, plan, arithmetic, noise, one, lambda _: None, {},
             report=lambda *_: clock("step"),
         )  # fmt: skip
         del steps["step"][-1]  # validates
         del steps["step"][-(count - 1)]  # begins
 
     def plain(count: int) -> None:
-        set_training(network, policy)
-        optimiser = torch.optim.SGD(parameter_groups(network, policy), lr=1e-4, momentum=policy.momentum)
+        learner = Learner(Model(network, preprocessing), policy, arithmetic)
+        optimiser = learner.optimiser
         batch = Steps(noise, policy, 0, 0, 1)[0]
         with torch.no_grad():
-            _, targets = forward(network, preprocessing, arithmetic, policy.loss_stride, batch.images, batch.labels)
+            _, targets = learner.forward(batch.images, batch.labels)
         inputs = preprocessing.apply(batch.images).contiguous(memory_format=arithmetic.layout())
         for _ in range(count):
             clock.last = time.process_time()
             optimiser.zero_grad(set_to_none=True)
             with torch.autocast("cpu", torch.bfloat16, enabled=arithmetic.precision == "bfloat16"):
                 outputs = network.outputs(inputs)
-            loss = losses.total(
-                outputs, targets, network.corners, policy.loss, policy.ohem_threshold, policy.ohem_kept,
-                policy.auxiliary_weight,
-            )  # fmt: skip
+            loss = losses.total(outputs, targets, network.corners, policy)
             loss.backward()
             optimiser.step()
             clock("plain")

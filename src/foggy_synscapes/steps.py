@@ -48,7 +48,10 @@ NETWORK, SEED, FOG_MODEL = "train.networks", "train.seeds", "fog.model"
 ROWS = ("train.from_weights", "train.from_baseline")
 RUNS = {"network": (NETWORK,), "row": ROWS, "seed": (SEED,)}
 AIRLIGHT_KEYS = ("fog.frames", "fog.blue_airlight", "scenes.shard_frames")
-TRAIN_KEYS = tuple(f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "compile", "curve"))
+DEVICE_KEYS = ("device", "gpu")
+TRAIN_KEYS = DEVICE_KEYS + tuple(
+    f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "compile", "curve")
+)
 NETWORK_KEYS = tuple(f"train.{{network}}.{key}" for key in ("backbone", "width", "decoder"))
 
 
@@ -199,7 +202,12 @@ def _train(name: str, text: str, row: str, own: tuple[str, ...], **others: Any) 
         inputs={**_lists(), **others.pop("start", {})},
         outputs={"model": MODEL, "curves": f"{TRAINED}/curves.csv", "record": f"{TRAINED}/run.json"},
         plots={"curves": {"x": "step", "y": "train_loss"}},
-        params=(*TRAIN_KEYS, "train.rows.{row}", *NETWORK_KEYS, *(f"train.{{network}}.{key}" for key in own)),
+        params=(
+            *TRAIN_KEYS,
+            "train.rows.{row}",
+            *NETWORK_KEYS,
+            *(f"train.{{network}}.{key}" for key in own),
+        ),
         code=("networks.{network}",),
         waits=fog_shards,
         threads="train.threads",
@@ -239,11 +247,12 @@ def _evaluate(row: str) -> Step:
         wildcards={"test_set": "evaluate.test_sets", "network": NETWORK, "row": row, "seed": SEED},
         inputs={"model": MODEL, "index": index("{test_set}")},
         outputs={"metrics": METRICS, "predictions": f"{SCORED}/predictions.tar", "record": f"{SCORED}/run.json"},
-        params=("evaluate.threads", *test_settings()),
+        params=(*DEVICE_KEYS, "evaluate.threads", "evaluate.device", *test_settings()),
         code=("networks.{network}", "datasets.{test_set}"),
         threads="evaluate.threads",
         megabytes=4_000,
         minutes=12 * 60,
+        gpu=True,
     )
 
 

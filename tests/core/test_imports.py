@@ -23,8 +23,7 @@ from public_layouts import (
 )
 
 from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.importers import matconvnet
-from foggy_synscapes.networks.importers.convert import convert
+from foggy_synscapes.networks.importing import convert, from_matconvnet
 from foggy_synscapes.networks.weights import dump_tensors, load_model, load_start
 
 
@@ -125,7 +124,7 @@ def to_matconvnet(tensors, backbone):
 
 def test_matconvnet_refinenet_gives_the_same_logits():
     tensors = drsleep("resnet50")
-    found, network = imported(matconvnet.tensors(to_matconvnet(tensors, "resnet50")), "refinenet")
+    found, network = imported(from_matconvnet(to_matconvnet(tensors, "resnet50")), "refinenet")
     assert (found.layout, found.config.stride_in) == ("matconvnet", "1x1")
     with torch.inference_mode():
         expected = Reader(tensors).drsleep(IMAGE, stride_in=1)
@@ -135,7 +134,7 @@ def test_matconvnet_refinenet_gives_the_same_logits():
 def test_matconvnet_pooling_of_the_improved_kind_is_not_taken_for_the_other():
     arrays = to_matconvnet(drsleep("resnet50"), "resnet50")
     moved = {re.sub(r"_pool1_outvar_dimred", "_poolprev_relu_varout_pb1", name): v for name, v in arrays.items()}
-    found = convert(matconvnet.tensors(moved), "refinenet")
+    found = convert(from_matconvnet(moved), "refinenet")
     assert len(found.missing) == len(found.left_over) == 4
 
 
@@ -144,7 +143,7 @@ def test_matconvnet_pooling_of_the_improved_kind_is_not_taken_for_the_other():
 )
 def test_matconvnet_array_of_another_kind_is_named(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):
-        matconvnet.tensors(bad)
+        from_matconvnet(bad)
 
 
 def test_wrapped_names_are_unwrapped():

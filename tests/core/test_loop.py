@@ -8,10 +8,10 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.weights import Preprocessing, dump
+from foggy_synscapes.networks.network import build
+from foggy_synscapes.networks.weights import Model, Preprocessing, dump
 from foggy_synscapes.training import loop
-from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
+from foggy_synscapes.training.learner import Arithmetic, Learner, NotFiniteError
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 
@@ -62,8 +62,7 @@ def train(config=BISENET, policy=POLICY, plan=PLAN, kill_at=None, snapshot=None,
     arguments = {"training": samples(), "validation": samples(3, seed=9), **changes}
     try:
         outcome = loop.train(
-            network,
-            Preprocessing(),
+            Model(network, Preprocessing()),
             policy,
             plan,
             Arithmetic(),
@@ -112,12 +111,12 @@ def test_loader_workers_change_no_byte(whole):
 def test_the_lowest_validation_loss_is_what_is_kept():
     weights = []
 
-    def spy(network, *_):
-        weights.append({name: tensor.clone() for name, tensor in network.state_dict().items()})
+    def spy(learner, *_):
+        weights.append({name: tensor.clone() for name, tensor in learner.network.state_dict().items()})
         return [3.0, 1.0, 2.0][len(weights) - 1], 0.0
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(loop, "validate", spy)
+        patch.setattr(Learner, "validate", spy)
         model, curve = train()
     assert len(weights) == 3
     network = build(BISENET)
@@ -150,8 +149,7 @@ def test_bfloat16_stays_near_float32():
     plan = replace(PLAN, steps=4)
     torch.manual_seed(1)
     outcome = loop.train(
-        build(BISENET),
-        Preprocessing(),
+        Model(build(BISENET), Preprocessing()),
         POLICY,
         plan,
         Arithmetic(precision="bfloat16"),

@@ -2,10 +2,13 @@
 
 import math
 
+import policies
 import pytest
 import torch
 
 from foggy_synscapes.training.losses import cross_entropy, grid, hard_examples, pixel_losses, total
+
+POLICY = policies.changed(policies.POLICY, loss="cross_entropy")
 
 
 def logits_for(probabilities):
@@ -52,7 +55,7 @@ def test_easy_pixels_beyond_the_share_give_no_loss():
 def test_extreme_logits_stay_finite(loss, scale):
     logits = (torch.randn(2, 19, 4, 4, generator=torch.Generator().manual_seed(0)) * scale).requires_grad_()
     targets = torch.randint(0, 19, (2, 8, 8), dtype=torch.uint8)
-    value = total([logits], targets, True, loss)
+    value = total([logits], targets, True, policies.changed(POLICY, loss=loss))
     value.backward()
     assert math.isfinite(value.item())
     assert torch.isfinite(logits.grad).all()
@@ -61,7 +64,7 @@ def test_extreme_logits_stay_finite(loss, scale):
 @pytest.mark.parametrize("loss", ["cross_entropy", "ohem"])
 def test_nothing_labelled_gives_zero_not_nan(loss):
     logits = torch.randn(1, 19, 2, 2, requires_grad=True)
-    value = total([logits], torch.full((1, 8, 8), 255, dtype=torch.uint8), True, loss)
+    value = total([logits], torch.full((1, 8, 8), 255, dtype=torch.uint8), True, policies.changed(POLICY, loss=loss))
     value.backward()
     assert value.item() == 0.0
     assert float(logits.grad.abs().sum()) == 0.0
@@ -69,20 +72,16 @@ def test_nothing_labelled_gives_zero_not_nan(loss):
 
 def test_auxiliary_losses_are_weighted_and_added():
     logits, targets = torch.randn(1, 19, 2, 2), torch.zeros((1, 4, 4), dtype=torch.uint8)
-    one = float(total([logits], targets, True))
-    assert float(total([logits] * 3, targets, True, auxiliary_weight=0.5)) == pytest.approx(2 * one)
-
-
-def test_unknown_loss_is_named():
-    with pytest.raises(ValueError, match="focal"):
-        total([torch.zeros(1, 2, 1, 1)], torch.zeros((1, 1, 1), dtype=torch.uint8), True, "focal")
+    one = float(total([logits], targets, True, POLICY))
+    halved = policies.changed(POLICY, auxiliary_weight=0.5)
+    assert float(total([logits] * 3, targets, True, halved)) == pytest.approx(2 * one)
 
 
 def test_stride_1_is_the_published_loss():
     logits, targets = torch.randn(1, 19, 2, 3), torch.randint(0, 19, (1, 8, 12), dtype=torch.uint8)
     whole = torch.nn.functional.interpolate(logits, size=(8, 12), mode="bilinear", align_corners=True)
     expected = torch.nn.functional.cross_entropy(whole, targets.long())
-    assert float(total([logits], grid(targets, 1, True), True)) == pytest.approx(float(expected), rel=1e-6)
+    assert float(total([logits], grid(targets, 1, True), True, POLICY)) == pytest.approx(float(expected), rel=1e-6)
 
 
 @pytest.mark.parametrize("corners", [True, False])

@@ -9,17 +9,17 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NETWORKS, NetworkConfig, titles
-from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import catalogue
-from foggy_synscapes.networks.importers.convert import convert
+from foggy_synscapes.networks.importing import convert
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Preprocessing, dump, load_model
 from foggy_synscapes.registry import UnknownEntry, use_plugins
 
 PLUGIN = """
 from functools import partial
 
-from foggy_synscapes.networks.backbone_names import torchvision_backbone
-from foggy_synscapes.networks.declaration import Layout, NetworkEntry
+from foggy_synscapes.networks.layouts import Layout, torchvision_backbone
+from foggy_synscapes.networks.config import NetworkEntry
 
 
 def _check(config):
@@ -93,7 +93,7 @@ def test_an_unknown_network_is_refused_with_those_that_are_known() -> None:
 
 def test_reading_declarations_imports_no_pytorch() -> None:
     code = (
-        "import sys; from foggy_synscapes.networks.importers.layouts import layouts; "
+        "import sys; from foggy_synscapes.networks.layouts import layouts; "
         "from foggy_synscapes.networks import titles; titles(), layouts(); sys.exit('torch' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

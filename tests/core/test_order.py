@@ -2,7 +2,7 @@
 
 import pytest
 
-from foggy_synscapes.training.order import batch_indices, steps_per_epoch
+from foggy_synscapes.training.streams import batch_indices, steps_per_epoch
 
 
 def test_an_epoch_takes_every_sample():

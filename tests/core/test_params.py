@@ -8,7 +8,6 @@ import pytest
 from foggy_synscapes import params
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.params.training import Duration
 from foggy_synscapes.schema import beta_name
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,7 +54,7 @@ def test_each_shipped_file_is_good(name: str) -> None:
         ("subset.clear", {}, "train: trains rows"),
         ("subset.clear", {"../C": {"train": 1, "validation": 1}}, "subset.clear.../C"),
         ("train.seeds", ["$(x)"], "train.seeds.0"),
-        ("train.rows.FC-498.length", {"epochs": 1, "iterations": 1}, "give either epochs or iterations"),
+        ("train.rows.FC-498.length", {"epochs": 1, "iterations": 1}, "give either images, epochs or iterations"),
         ("train.rows.FC-498.length", {"iterations": 0}, "greater than or equal to 1"),
         ("train.threads", "many", "train.threads"),
         ("train.seeds", ["0", "00"], "train.seeds: each once"),
@@ -129,8 +128,3 @@ def test_a_missing_file_says_where_others_are(tmp_path: Path) -> None:
 )
 def test_a_beta_has_one_spelling(text: str, name: str) -> None:
     assert beta_name(text) == name
-
-
-def test_fifty_epochs_of_498_images_are_the_papers_6250_iterations() -> None:
-    assert Duration(epochs=50).steps(498, 4) == 6250
-    assert Duration(iterations=7).steps(498, 4) == 7

@@ -15,6 +15,7 @@ from foggy_synscapes.registry import Registry
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ["params.yaml", "params/smoke.yaml", "params/paper.yaml", "params/discussion.yaml"]
+SHIPPED += ["params/refinenet_as_printed.yaml", "params/discussion_full.yaml"]
 DEFAULTS = params.check({}, "defaults")
 
 
@@ -36,7 +37,7 @@ def test_lists_are_replaced_whole() -> None:
 
 def test_a_length_in_epochs_replaces_one_in_iterations() -> None:
     changed = overlaid({"train": {"bisenet": {"baseline": {"length": {"epochs": 2}}}}})
-    assert changed["train"]["bisenet"]["baseline"]["length"] == {"epochs": 2, "iterations": None}
+    assert changed["train"]["bisenet"]["baseline"]["length"] == {"images": None, "epochs": 2, "iterations": None}
 
 
 def test_rows_that_the_user_names_are_replaced_whole() -> None:

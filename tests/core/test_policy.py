@@ -4,8 +4,8 @@ import pytest
 from policies import POLICY, changed
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.training.parameters import parameter_groups, set_training
+from foggy_synscapes.networks.network import build
+from foggy_synscapes.training.learner import parameter_groups, set_training
 
 
 @pytest.fixture

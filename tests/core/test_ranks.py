@@ -7,12 +7,11 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.weights import Preprocessing, dump
+from foggy_synscapes.networks.network import build
+from foggy_synscapes.networks.weights import Model, Preprocessing, dump
 from foggy_synscapes.training import loop, losses
-from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
-from foggy_synscapes.training.ranks import ALONE, Ranks, RanksError
-from foggy_synscapes.training.shared import share
+from foggy_synscapes.training.learner import Arithmetic, NotFiniteError
+from foggy_synscapes.training.ranks import ALONE, Ranks, RanksError, share
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 
@@ -48,8 +47,7 @@ def train(ranks, config, policy, snapshot=None, settings=None):
     torch.manual_seed(1)
     network, saved = build(config), []
     outcome = loop.train(
-        network,
-        Preprocessing(),
+        Model(network, Preprocessing()),
         policy,
         PLAN,
         Arithmetic(),

@@ -6,8 +6,8 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NETWORKS, NetworkConfig
-from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.catalogue import multiply_adds, parameters
+from foggy_synscapes.networks.network import build
 
 TINY = NetworkConfig("refinenet", "resnet18", width=8, decoder=4, auxiliary=False)
 

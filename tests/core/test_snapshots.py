@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.training import snapshots
 from foggy_synscapes.training.snapshots import Progress, differences
 

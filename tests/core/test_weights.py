@@ -8,7 +8,7 @@ import safetensors.torch
 import torch
 
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Preprocessing, dump, load_model
 
 TINY = NetworkConfig("bisenet", "resnet18", width=8, decoder=4)

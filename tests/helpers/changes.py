@@ -215,7 +215,7 @@ CHANGES = (
     Change(
         "a new key of a figure, with a default",
         edit_code(
-            "params/outcomes.py",
+            "params/experiment.py",
             "    comparison_beta: Beta",
             '    colours: int = setting("shown", default=2)\n    comparison_beta: Beta',
         ),

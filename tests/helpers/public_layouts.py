@@ -10,7 +10,7 @@ from itertools import pairwise
 import torch
 import torch.nn.functional as functional
 
-from foggy_synscapes.networks.importers.convert import convert
+from foggy_synscapes.networks.importing import convert
 from foggy_synscapes.networks.weights import dump_tensors, load_model
 
 WIDTH, DECODER, CLASSES = 8, 12, 5

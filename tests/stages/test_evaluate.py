@@ -256,8 +256,8 @@ def test_a_wrong_call_ends_with_status_2(arguments, capsys):
 def model_of(classes: int) -> bytes:
     import torch
 
-    from foggy_synscapes.networks.build import build
     from foggy_synscapes.networks.config import NetworkConfig
+    from foggy_synscapes.networks.network import build
     from foggy_synscapes.networks.weights import Preprocessing, dump
 
     torch.manual_seed(0)
@@ -340,6 +340,40 @@ def test_the_same_model_gives_the_same_bytes(params):
     first = [(folder / name).read_bytes() for name in names]
     evaluate(params, "bisenet", "C", "0", "foggy_zurich")
     assert [(folder / name).read_bytes() for name in names] == first
+
+
+def with_(params, **values):
+    return params.model_copy(update={"evaluate": params.evaluate.model_copy(update=values)})
+
+
+def test_images_that_threads_read_ahead_give_the_same_bytes(params, capsys):
+    evaluate(params, "bisenet", "C", "0", "foggy_zurich")
+    folder = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0")
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    evaluate(with_(params, workers=2, device="auto"), "bisenet", "C", "0", "foggy_zurich")
+    assert (folder / "predictions.tar").read_bytes() == first["predictions.tar"]
+    assert (folder / "metrics.json").read_bytes() == first["metrics.json"]
+    assert "waited for images" in capsys.readouterr().out
+
+
+def test_an_image_that_a_gpu_has_no_memory_for_is_named_with_the_setting(params, monkeypatch):
+    import torch
+
+    from foggy_synscapes.networks.weights import Model
+
+    def fail(*_arguments):
+        raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 2 GiB")
+
+    monkeypatch.setattr(Model, "predict", fail)
+    fails(params, r"_frame.*png: not enough memory on the GPU for 32 x 48 pixels. Set evaluate.device to cpu")
+
+
+def test_a_gpu_that_is_not_there_is_named(params):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    fails(with_(params, device="cuda"), "device: cuda, but PyTorch .* finds no GPU")
 
 
 def fails(params, message: str) -> None:

@@ -14,7 +14,7 @@ from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump
 from foggy_synscapes.tradeoff.graph import Graph, with_paired_stems
 from foggy_synscapes.tradeoff.onnx_export import OPSET, to_onnx, with_output

@@ -16,7 +16,7 @@ from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump, load_model
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.tradeoff import training

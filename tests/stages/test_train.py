@@ -197,7 +197,7 @@ def test_an_imported_backbone_is_a_start(project, capsys):
     import torch
 
     from foggy_synscapes.networks import NetworkConfig
-    from foggy_synscapes.networks.build import build
+    from foggy_synscapes.networks.network import build
 
     source = build(NetworkConfig("bisenet", "resnet18", width=8, decoder=4)).backbone
     torch.save(source.state_dict(), "resnet18.pth")
@@ -237,6 +237,51 @@ def test_memory_that_does_not_do_names_the_setting(project, monkeypatch, capsys)
 
     monkeypatch.setattr(loop, "train", train_in_little_memory)
     refused(capsys, "not enough memory", "train.bisenet.*.accumulate")
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (RuntimeError("CUDA error: an illegal memory access was encountered"), False),
+        ("OutOfMemoryError", True),
+    ],
+    ids=["illegal access", "too little"],
+)
+def test_only_want_of_memory_is_called_so(project, monkeypatch, capsys, error, told):
+    import torch
+
+    from foggy_synscapes.training import loop
+
+    def fail(*_arguments, **_more):
+        raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 2 GiB") if told else error
+
+    monkeypatch.setattr(loop, "train", fail)
+    assert train() == 1
+    message = capsys.readouterr().err
+    assert ("not enough memory" in message) is told
+    assert ("illegal memory access" in message) is not told
+
+
+def test_a_gpu_that_is_not_there_is_named(project, capsys):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    project(("device",), "cuda")
+    refused(capsys, "device: cuda, but PyTorch", "finds no GPU")
+
+
+def test_auto_is_the_cpu_where_there_is_no_gpu(project):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU, which auto takes")
+    assert train() == 0
+    first = hashes()
+    project(("device",), "auto")
+    assert train() == 0
+    assert hashes()["model.safetensors"] == first["model.safetensors"]
+    assert "gpu" not in json.loads(Path("results/train/bisenet/C/seed-0/run.json").read_text())
 
 
 def test_a_public_model_is_row_c_where_the_baseline_is_not_trained(project, capsys):

@@ -14,7 +14,7 @@ from training_project import frame, project_in, train, write_list, write_lists
 
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Preprocessing, dump, read_tensors
 
 

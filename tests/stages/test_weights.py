@@ -10,8 +10,8 @@ import torch
 
 from foggy_synscapes.cli import main
 from foggy_synscapes.networks import NetworkConfig
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.importers.layouts import layouts
+from foggy_synscapes.networks.layouts import layouts
+from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import load_model
 
 SMALL = {

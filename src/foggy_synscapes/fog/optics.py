@@ -31,6 +31,20 @@ def meteorological_optical_range(beta: float) -> float:
     return CONTRAST / _attenuation(beta, "beta")
 
 
+def lighter_than_fog(beta: float) -> str | None:
+    """What to warn of where an attenuation coefficient in 1/m is below the lightest fog's; None for fog, and for 0.
+
+    >>> lighter_than_fog(0.002)
+    'beta 0.002 1/m is a visibility of 1,498 m: fog is what lowers it below 1 km, at beta >= 0.002996 (section III)'
+    """
+    if beta == 0 or beta >= LIGHTEST:
+        return None
+    return (
+        f"beta {beta:g} 1/m is a visibility of {meteorological_optical_range(beta):,.0f} m: fog is what lowers it "
+        f"below 1 km, at beta >= {LIGHTEST:g} (section III)"
+    )
+
+
 def attenuation(visibility: float) -> float:
     """Attenuation coefficient beta in 1/m at a meteorological optical range in metres, above 0.
 

@@ -11,6 +11,7 @@ from foggy_synscapes import __version__
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.optics import lighter_than_fog
 from foggy_synscapes.frames import folders
 from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io import lock
@@ -84,6 +85,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, code: str) -> None:
     """Fog the frames that the command line names; `code` is the digest of the code that renders."""
     betas = _betas(args.beta or [])
+    for warning in filter(None, (lighter_than_fog(float(beta)) for beta in betas)):
+        print(f"warning: {warning}", file=sys.stderr)
     if args.out is None or not betas:
         raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
     if args.jobs < 1:

@@ -3,10 +3,8 @@
 from functools import partial
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.networks.backbone_names import torchvision_backbone
-from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.declaration import Layout, NetworkEntry, by_rules
-from foggy_synscapes.networks.preprocessing import Preprocessing
+from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry, Preprocessing
+from foggy_synscapes.networks.layouts import Layout, by_rules, torchvision_backbone
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.network import Network

@@ -13,13 +13,37 @@ from foggy_synscapes.networks.network import Network, resize
 from foggy_synscapes.networks.resnet import ResNet
 
 
-class Unit(nn.Module):
-    """Convolution without bias, batch norm, and a ReLU unless told otherwise."""
+class PooledNorm(nn.BatchNorm2d):
+    """Batch norm that also takes a single value per channel: a pooled map of one image has no variance of its own.
 
-    def __init__(self, inputs: int, outputs: int, kernel: int, stride: int = 1, relu: bool = True) -> None:
+    Such a value is normalised by the running statistics, as in evaluation, and moves them: the mean towards itself, the
+    variance towards its squared distance from that mean. So passes of one image see the statistics of those before.
+    """
+
+    def forward(self, x: Tensor) -> Tensor:
+        if not self.training or x[:, 0].numel() > 1:
+            return super().forward(x)
+        mean, variance, momentum = self.running_mean, self.running_var, self.momentum
+        assert mean is not None
+        assert variance is not None
+        assert momentum is not None
+        normalised = functional.batch_norm(x, mean.clone(), variance.clone(), self.weight, self.bias, eps=self.eps)
+        with torch.no_grad():
+            value = x.detach().flatten().to(mean.dtype)
+            variance.lerp_((value - mean).square(), momentum)
+            mean.lerp_(value, momentum)
+        return normalised
+
+
+class Unit(nn.Module):
+    """Convolution without bias, batch norm, and a ReLU unless told otherwise; `pooled` maps may be of one pixel."""
+
+    def __init__(
+        self, inputs: int, outputs: int, kernel: int, stride: int = 1, relu: bool = True, pooled: bool = False
+    ) -> None:
         super().__init__()
         self.conv = nn.Conv2d(inputs, outputs, kernel, stride, padding=kernel // 2, bias=False)
-        self.bn = nn.BatchNorm2d(outputs)
+        self.bn = (PooledNorm if pooled else nn.BatchNorm2d)(outputs)
         self.relu = relu
 
     def forward(self, x: Tensor) -> Tensor:
@@ -38,7 +62,7 @@ class AttentionRefinement(nn.Module):
     def __init__(self, inputs: int, outputs: int) -> None:
         super().__init__()
         self.features = Unit(inputs, outputs, 3)
-        self.attention = Unit(outputs, outputs, 1, relu=False)
+        self.attention = Unit(outputs, outputs, 1, relu=False, pooled=True)
 
     def forward(self, x: Tensor) -> Tensor:
         x = self.features(x)
@@ -61,7 +85,7 @@ class FeatureFusion(nn.Module):
                 nn.Conv2d(outputs, outputs, 1, bias=False), nn.ReLU(), nn.Conv2d(outputs, outputs, 1, bias=False)
             )
         else:
-            self.attention = Unit(outputs, outputs, 1, relu=False)
+            self.attention = Unit(outputs, outputs, 1, relu=False, pooled=True)
 
     def forward(self, spatial: Tensor, context: Tensor) -> Tensor:
         x = self.features(torch.cat([spatial, context], dim=1))
@@ -105,7 +129,7 @@ class BiSeNet(Network):
             Unit(3, width, 7, 2), Unit(width, width, 3, 2), Unit(width, width, 3, 2), Unit(width, decoder, 1)
         )
         deep, deepest = self.backbone.channels[2:]
-        self.whole = Unit(deepest, decoder, 1)
+        self.whole = Unit(deepest, decoder, 1, pooled=True)
         self.attention32 = AttentionRefinement(deepest, decoder)
         self.attention16 = AttentionRefinement(deep, decoder)
         self.refine32 = Unit(decoder, decoder, 3)

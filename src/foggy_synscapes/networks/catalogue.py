@@ -4,39 +4,26 @@ from dataclasses import replace
 from typing import Any
 
 import torch
-from torch import nn
+from torch.utils.flop_counter import FlopCounterMode
 
-from foggy_synscapes.networks import NETWORKS, NetworkConfig, titles
-from foggy_synscapes.networks.build import build
-
-SIZE = (512, 1024)  # pixels, rows and columns, at which networks of this field are compared
+from foggy_synscapes.networks.config import NETWORKS, NetworkConfig, titles
+from foggy_synscapes.networks.network import build
 
 
-def multiply_adds(config: NetworkConfig, size: tuple[int, int] = SIZE) -> int:
+def multiply_adds(config: NetworkConfig, size: tuple[int, int] = (512, 1024)) -> int:
     """Multiplications with addition in the convolutions of one forward pass in evaluation, for one image.
 
     size : rows and columns. Nothing is computed: the shapes are followed on PyTorch's meta device.
     """
-    with torch.device("meta"):
-        network = build(config).eval()
-        images = torch.empty(1, 3, *size)
-    counts: list[int] = []
-
-    def count(layer: nn.Conv2d, _inputs: tuple, output: torch.Tensor) -> None:
-        counts.append(output.numel() * layer.weight[0].numel())
-
-    for layer in network.modules():
-        if isinstance(layer, nn.Conv2d):
-            layer.register_forward_hook(count)
-    with torch.no_grad():
-        network(images)
-    return sum(counts)
+    with torch.device("meta"), torch.no_grad(), FlopCounterMode(display=False) as counter:
+        build(config).eval()(torch.empty(1, 3, *size))
+    return counter.get_total_flops() // 2  # it counts both
 
 
 def parameters(config: NetworkConfig) -> int:
-    """Number of trained values of a network."""
+    """Number of trained values of a network; running statistics of batch norm are not counted."""
     with torch.device("meta"):
-        return build(config).parameter_count()
+        return sum(parameter.numel() for parameter in build(config).parameters())
 
 
 def catalogue() -> list[dict[str, Any]]:

@@ -3,7 +3,7 @@
 import torch.nn.functional as functional
 from torch import Tensor, nn
 
-from foggy_synscapes.networks.config import STRIDE, NetworkConfig
+from foggy_synscapes.networks.config import NETWORKS, STRIDE, NetworkConfig
 
 
 def resize(maps: Tensor, size: tuple[int, ...], corners: bool = True) -> Tensor:
@@ -19,9 +19,7 @@ def padded(images: Tensor) -> Tensor:
     if height < 1 or width < 1:
         raise ValueError(f"images: {height} x {width} pixels, expected at least one")
     below, right = -height % STRIDE, -width % STRIDE
-    if below or right:
-        images = functional.pad(images, (0, right, 0, below), mode="replicate")
-    return images
+    return functional.pad(images, (0, right, 0, below), mode="replicate") if below or right else images
 
 
 class Network(nn.Module):
@@ -47,6 +45,7 @@ class Network(nn.Module):
         logits = resize(self.outputs(whole)[0], tuple(whole.shape[-2:]), self.corners)
         return logits[..., : images.shape[-2], : images.shape[-1]]
 
-    def parameter_count(self) -> int:
-        """Number of trained values; running statistics of batch norm are not counted."""
-        return sum(parameter.numel() for parameter in self.parameters())
+
+def build(config: NetworkConfig) -> Network:
+    """A network with random weights, drawn from PyTorch's global generator: seed it first for repeatable ones."""
+    return NETWORKS[config.name].build(config)

@@ -3,10 +3,8 @@
 import re
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.networks.backbone_names import caffe_backbone, caffe_name, torchvision_backbone
-from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.declaration import Layout, NetworkEntry
-from foggy_synscapes.networks.preprocessing import Preprocessing
+from foggy_synscapes.networks.config import NetworkConfig, NetworkEntry, Preprocessing
+from foggy_synscapes.networks.layouts import Layout, caffe_backbone, caffe_name, torchvision_backbone
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.network import Network

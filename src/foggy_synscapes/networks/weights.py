@@ -5,6 +5,7 @@ The file's metadata has one key, `foggy`, with sorted JSON: several keys would b
 
 import json
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 import safetensors.torch
@@ -12,10 +13,8 @@ import torch
 from safetensors import SafetensorError
 from torch import Tensor
 
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.config import NetworkConfig
-from foggy_synscapes.networks.network import Network
-from foggy_synscapes.networks.preprocessing import Preprocessing
+from foggy_synscapes.networks.config import NetworkConfig, Preprocessing
+from foggy_synscapes.networks.network import Network, build
 
 KEY = "foggy"
 FORMAT = 1
@@ -58,19 +57,21 @@ def dump_tensors(
     tensors: dict[str, Tensor], config: NetworkConfig, preprocessing: Preprocessing, part: str = "network"
 ) -> bytes:
     """A file of weights; part : "network", "backbone" or "some", of which the rest starts at random (`load_start`)."""
-    about = {"format": FORMAT, "part": part, "network": config.to_dict(), "preprocessing": asdict(preprocessing)}
+    about = {"format": FORMAT, "part": part, "network": asdict(config), "preprocessing": asdict(preprocessing)}
+    return pack(tensors, KEY, about)
+
+
+def pack(tensors: dict[str, Tensor], key: str, about: dict) -> bytes:
+    """A safetensors file, with `about` as JSON under a key of its metadata: the inverse of `read_tensors`."""
     plain = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
-    return safetensors.torch.save(plain, {KEY: json.dumps(about, sort_keys=True)})
+    return safetensors.torch.save(plain, {key: json.dumps(about, sort_keys=True)})
 
 
 def load_model(data: bytes) -> Model:
     """Read a model file made by `dump`.
 
-    Raises
-    ------
-    ValueError
-        If it is no safetensors file, was cut off, was not made by this project, is not of a whole network, or its
-        tensors do not fit its config.
+    Raises ValueError if it is no safetensors file, was cut off, was not made by this project, is not of a whole
+    network, or its tensors do not fit its config.
     """
     part, config, preprocessing, tensors = _read(data)
     if part != "network":
@@ -102,10 +103,8 @@ def load_start(data: bytes, wanted: NetworkConfig, whole: bool = False) -> Model
     if different:
         raise ValueError(f"weights of another network: {'; '.join(different)}")
     network = build(replace(wanted, variant=config.variant, stride_in=config.stride_in))
-    if part == "network" and config.auxiliary == wanted.auxiliary:
-        assign_values(network, tensors)
-    else:
-        assign_values(network, {**network.state_dict(), **tensors})
+    complete = part == "network" and config.auxiliary == wanted.auxiliary
+    assign_values(network, tensors if complete else {**network.state_dict(), **tensors})
     return Model(network, preprocessing)
 
 
@@ -113,25 +112,34 @@ def _read(data: bytes) -> tuple[str, NetworkConfig, Preprocessing, dict[str, Ten
     about, tensors = read_tensors(data, KEY)
     if about.get("format") != FORMAT:
         raise ValueError(f"model file of format {about.get('format')!r}, expected {FORMAT}: made by another version?")
-    preprocessing = Preprocessing(**{**about["preprocessing"], **_tuples(about["preprocessing"])})
-    return about["part"], NetworkConfig.from_dict(about["network"]), preprocessing, tensors
+    plain: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in about["preprocessing"].items()
+    }
+    try:
+        return about["part"], NetworkConfig(**about["network"]), Preprocessing(**plain), tensors
+    except TypeError as error:
+        raise ValueError(f"model file with other fields than this version knows: {error}") from error
+
+
+def _kinds(tensors: dict[str, Tensor]) -> dict[str, tuple]:
+    return {name: (tensor.dtype, *tensor.shape) for name, tensor in tensors.items()}
 
 
 def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
     """Raise ValueError, saying what does not fit, unless names, shapes and types are exactly the network's."""
     about = f"weights do not fit {network.config.name} ({network.config.backbone})"
-    wanted = network.state_dict()
-    missing, extra = sorted(set(wanted) - set(tensors)), sorted(set(tensors) - set(wanted))
+    wanted, given = _kinds(network.state_dict()), _kinds(tensors)
+    missing, extra = sorted(wanted.keys() - given.keys()), sorted(given.keys() - wanted.keys())
     if missing or extra:
         raise ValueError(
             f"{about}: {len(missing)} tensors missing {missing[:3]}, {len(extra)} left over {extra[:3]}. "
             "Is this another network's file?"
         )
-    for name, tensor in tensors.items():
-        if tensor.shape != wanted[name].shape or tensor.dtype != wanted[name].dtype:
+    for name in wanted:
+        if given[name] != wanted[name]:
             raise ValueError(
-                f"{about}: {name} is {tensor.dtype} {tuple(tensor.shape)}, expected {wanted[name].dtype} "
-                f"{tuple(wanted[name].shape)}. Has it another width or another number of classes?"
+                f"{about}: {name} is {given[name]}, expected {wanted[name]}. "
+                "Has it another width or another number of classes?"
             )
 
 
@@ -154,7 +162,3 @@ def read_tensors(data: bytes, key: str) -> tuple[dict, dict[str, Tensor]]:
         raise ValueError(
             f"safetensors file without the metadata `{key}`: not made here. `foggy weights import` reads other sources"
         ) from None
-
-
-def _tuples(values: dict) -> dict:
-    return {name: tuple(value) for name, value in values.items() if isinstance(value, list)}

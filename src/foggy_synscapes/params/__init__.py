@@ -11,13 +11,4 @@ from foggy_synscapes.params.reading import check, load, require_complete
 from foggy_synscapes.params.scenes import FilterRule
 from foggy_synscapes.params.training import BASELINE
 
-__all__ = [
-    "BASELINE",
-    "STAND_IN",
-    "FilterRule",
-    "Fog",
-    "Params",
-    "check",
-    "load",
-    "require_complete",
-]
+__all__ = ["BASELINE", "STAND_IN", "FilterRule", "Fog", "Params", "check", "load", "require_complete"]

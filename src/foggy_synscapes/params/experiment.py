@@ -1,27 +1,123 @@
 """All sections of the params, and what they have to agree on."""
 
+import itertools
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import create_model, model_validator
+from pydantic import Field, FiniteFloat, create_model, model_validator
 
 from foggy_synscapes.datasets.dataset import STAND_IN
+from foggy_synscapes.fog.optics import lighter_than_fog
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
-from foggy_synscapes.params.names import Folder
-from foggy_synscapes.params.outcomes import Evaluate, Figures, Stability, Tables, Tradeoff
+from foggy_synscapes.params.names import Device, Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
 from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
-from foggy_synscapes.schema import Section, setting
+from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
 from foggy_synscapes.subsets.kind import FOG
+from foggy_synscapes.training.policy import Policy
+
+Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
+PAPERS_BETAS = '["0.005", "0.01", "0.02", "0.03", "0.06"]'
+
+
+class Gpu(Section):
+    """How a GPU computes; nothing of it matters on a CPU, where the same bytes come out each time."""
+
+    tf32: bool = setting("TensorFloat-32 (10 bits of mantissa) in products of float32 numbers")
+    deterministic: bool = setting(
+        "only algorithms that give the same bytes each time; resizing is several times slower by them"
+    )
+    search: bool = setting("let cuDNN time its convolutions and take the fastest, which may differ from run to run")
+
+
+class Evaluate(Section):
+    """Which test sets are scored, and how."""
+
+    threads: int = setting("CPU threads of a job", ge=1)
+    device: Device | None = setting("where networks predict; null: where `device` says")
+    workers: int = setting("threads that read and decode images ahead; 0: none", ge=0)
+    test_sets: list[TestSet] = setting("cityscapes: the clear validation frames", min_length=1)
+
+
+class TableRow(Section):
+    """A printed row: its training row, its labels, and the published number of images (here it is the list's)."""
+
+    inline = True
+
+    row: RowName = setting("row of subset and train")
+    training: str = setting("printed: what the network was trained on")
+    fine_tuning: str = setting("printed: what it was fine-tuned on")
+    images: int | None = setting("printed beside ours: the published count", default=None, unit="images")
+
+
+class Tables(Section):
+    """What the tables print."""
+
+    rows: list[TableRow] = setting(
+        'printed, in this order; "images" is the published count, what is asked for here is in subset', min_length=1
+    )
+
+
+class Figures(Section):
+    """What the figures show."""
+
+    betas: list[Beta] = setting("of the beta strip", unit="1/m", published=PAPERS_BETAS, source="section III")
+    comparison_beta: Beta = setting(
+        "of Foggy Cityscapes against Foggy Synscapes", unit="1/m", published='"0.02"', source="figure 4"
+    )
+    images: int = setting("of each test set that are shown", unit="images", ge=1)
+
+
+class Stability(Section):
+    """How numbers are checked at their extremes."""
+
+    digits: int = setting("decimal digits of the reference arithmetic (mpmath)", ge=20, le=200)
+
+
+class Tradeoff(Section):
+    """How time is weighed against accuracy."""
+
+    betas: Annotated[list[Beta], Field(min_length=1)] = setting(
+        "at which fog is measured", unit="1/m", published=PAPERS_BETAS, source="section III"
+    )
+    frames: int = setting("kept ones that are measured", unit="frames", ge=1)
+    repeats: int = setting("times that each variant is timed on each frame; the median counts", ge=1)
+    row: RowName = setting("row of the tables whose models (of the first seed) are measured")
+    test_set: TestSet = setting("on which they are scored")
+    scales: Annotated[list[Scale], Field(min_length=1)] = setting(
+        "of the image's sides, at which the networks work; 1.0 first"
+    )
+    calibration: int = setting("of training, whose ranges the 8-bit networks take", unit="images", ge=1)
+    steps: int = setting("of training that are measured", unit="iterations", ge=1)
+
+    @model_validator(mode="after")
+    def _from_full_scale(self) -> "Tradeoff":
+        if self.scales[0] != 1 or len(set(self.scales)) != len(self.scales):
+            raise ValueError(f"scales: 1.0 first, with which the others are compared, and each once; got {self.scales}")
+        return self
+
+
+class Training(NamedTuple):
+    """How long a network trains in a row. images_seen : drawn; the last step is always followed by a validation."""
+
+    network: str
+    row: str
+    policy: Policy
+    listed: int
+    iterations: int
+    images_seen: int
+    validations: int
 
 
 class Params(Section):
     """The whole experiment."""
 
     plugins: Folder | None = setting("folder of your own modules (networks, datasets, ...), from where a job runs")
+    device: Device = setting("where networks compute; auto: on a GPU where there is one")
+    gpu: Gpu
     scenes: Scenes
     filter: Filter
     fog: Fog
@@ -79,6 +175,25 @@ class Params(Section):
         if self.scenes.roots["synscapes"] == STAND_IN and asked > drawn:
             raise ValueError(f"scenes.stand_in.synscapes: {drawn} frames, fewer than fog.frames asks for")
         return self
+
+    def device_of(self, word: str) -> Device:
+        """Where the networks of a command compute, such as train: where its section says, or else `device`."""
+        return getattr(getattr(self, word, None), "device", None) or self.device
+
+    def warnings(self) -> list[str]:
+        """What is possible and yet departs from what the experiment is about."""
+        return [f"fog.betas: {text}" for beta in self.fog.betas if (text := lighter_than_fog(float(beta)))]
+
+    def trainings(self) -> list[Training]:
+        """What is trained, once per seed: without rows whose model is a network's own weights as they are."""
+        found = []
+        for network, (row, entry) in itertools.product(self.train.networks, self.subset.rows().items()):
+            policy, schedule = self.train.policy(network, row), self.train.schedule(network, row)
+            if policy is not None and schedule is not None:
+                listed, batch = entry.counts()[0], policy.batch
+                steps, every = schedule.length.steps(listed, batch), schedule.validate_.steps(listed, batch)
+                found.append(Training(network, row, policy, listed, steps, steps * batch, -(-steps // every)))
+        return found
 
     @property
     def stand_in(self) -> bool:

@@ -1,6 +1,6 @@
 """Words that many sections use."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
@@ -13,6 +13,7 @@ from foggy_synscapes.schema import Range
 RowName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9-]{0,63}$"), Range("letters, digits and -")]
 SeedName = Annotated[str, Field(pattern=r"^[0-9]{1,9}$"), Range("up to 9 digits, quoted")]
 NetworkName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,63}$"), Range("name of a network")]
+Device = Literal["cpu", "cuda", "auto"]
 Folder = Annotated[str, Field(min_length=1)]
 
 

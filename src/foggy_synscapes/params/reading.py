@@ -1,8 +1,9 @@
 """Reading a params file: an overlay on the packaged defaults, which states only what differs from them.
 
-Sections are merged key by key. Lists, lengths (epochs or iterations) and mappings whose keys the user names (the lists
-of `subset`, `train.rows`) are replaced whole where the overlay states them. A complete file is an overlay that states
-everything. The working params.yaml is no part of it: a user edits that.
+Sections are merged key by key. Lists, lengths (images, epochs or iterations) and mappings whose keys the user names
+(the lists of `subset`, `train.rows`) are replaced whole where the overlay states them. A complete file is an overlay
+that states everything. A file may name another as its `base`, on which it is laid first. The working params.yaml is no
+part of it: a user edits that.
 """
 
 import difflib
@@ -23,17 +24,17 @@ from foggy_synscapes.registry import use_plugins
 from foggy_synscapes.schema import Section, is_merged, open_section, section_at, sections
 
 DEFAULTS = Path(__file__).with_name("defaults.yaml")
+BASE = "base"
+"""Key of a params file that names another, on which it is laid."""
 
 
 def load(path: str | Path) -> Params:
     """Read and check a params file.
 
-    Raises
-    ------
-    FoggyError
-        Naming the file and the key that is missing, misspelt, twice, of a wrong type, impossible or contradicted.
+    Raises FoggyError naming the file and the key that is missing, misspelt, twice, of a wrong type, impossible or
+    contradicted.
     """
-    return check(_read(path), str(path))
+    return check(_stated(Path(path)), str(path))
 
 
 def check(stated: dict[str, Any], name: str) -> Params:
@@ -93,6 +94,17 @@ def require_complete(path: str | Path) -> None:
             f"{path}: leaves {left_out[0]} to the packaged defaults ({len(left_out)} such keys), but DVC reads this "
             f"file as it stands. Complete it: foggy params --file {path} --out {path}"
         )
+
+
+def _stated(path: Path, *above: Path) -> dict[str, Any]:
+    """What a file states, laid on what the file states that it names as its `base`, from its own folder."""
+    stated = _read(path)
+    base = stated.pop(BASE, None)
+    if base is None:
+        return stated
+    if not isinstance(base, str) or (path.parent / base).resolve() in (path.resolve(), *above):
+        raise FoggyError(f"{path}: {BASE}: name another params file, from the folder of this one; got {base!r}")
+    return overlaid(_stated(path.parent / base, path.resolve(), *above), stated, model())
 
 
 def _read(path: str | Path) -> dict[str, Any]:

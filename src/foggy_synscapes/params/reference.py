@@ -7,8 +7,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from foggy_synscapes.params.experiment import model
-from foggy_synscapes.params.facts import facts, limits, unit
-from foggy_synscapes.params.resolved import flow
+from foggy_synscapes.params.resolved import facts, flow, unit
 from foggy_synscapes.params.sources import KNOWN
 from foggy_synscapes.schema import Section, facts_of, open_section, section_in
 from foggy_synscapes.training.policy import Policy
@@ -21,9 +20,10 @@ Every key of a params file. `foggy params --docs` makes this page, and `foggy pa
 `docs/params.schema.json` by which editors complete and check, both of the same source as the checks themselves.
 
 A params file is an overlay on the packaged defaults: it states only what differs. Sections are merged key by key.
-Lists, lengths (`epochs` or `iterations`) and mappings whose keys you name (the lists of `subset`, `train.rows`) are
-replaced whole where the file states them. `foggy params --file FILE` prints what comes of it, complete; `--check` says
-what does not fit together.
+Lists, lengths (`images`, `epochs` or `iterations`) and mappings whose keys you name (the lists of `subset`,
+`train.rows`) are replaced whole where the file states them. A file that names another of its folder as its `base` is
+laid on that one first. `foggy params --file FILE` prints what comes of it, complete; `--check` says what does not fit
+together.
 
 | you want | do |
 |---|---|
@@ -49,6 +49,8 @@ def json_schema() -> str:
     not change.
     """
     schema = model().model_json_schema(by_alias=True)
+    about = "another params file, from the folder of this one, on which this one is laid"
+    schema["properties"] = {"base": {"type": "string", "description": about}, **schema["properties"]}
     for definition in (schema, *(schema["$defs"][each.__name__] for each in _merged(model()))):
         definition.pop("required", None)
     return json.dumps({"$schema": DIALECT, **_untitled(schema)}, indent=2, ensure_ascii=False) + "\n"
@@ -69,7 +71,7 @@ def markdown(defaults: dict[str, Any]) -> str:
             about = "; ".join(facts(key.field)).replace("|", "\\|")
             lines.append(f"| {' | '.join(cells)} | {about} |".replace("  ", " "))
     lines += ["", "## Of single rows and networks", "| key | published value, source |", "|---|---|"]
-    lines += [f"| `{place}` | {'; '.join(known.words())} |" for place, known in KNOWN.items()]
+    lines += [f"| `{place}` | {known} |" for place, known in KNOWN.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -140,3 +142,35 @@ def _untitled(schema: Any) -> Any:
     if isinstance(schema, dict):
         return {key: _untitled(value) for key, value in schema.items() if key != "title"}
     return [_untitled(each) for each in schema] if isinstance(schema, list) else schema
+
+
+def limits(schema: dict[str, Any]) -> str:
+    """The range of a field in words, from its JSON Schema.
+
+    >>> limits({"type": "integer", "minimum": 0, "maximum": 3}), limits({"type": "number", "exclusiveMinimum": 0})
+    ('0 to 3', '> 0')
+    """
+    if "range" in schema:
+        return schema["range"]
+    if "anyOf" in schema:
+        return ", or ".join(filter(None, map(limits, schema["anyOf"])))
+    if "enum" in schema or "const" in schema:
+        return ", ".join(map(str, schema.get("enum", [schema.get("const")])))
+    if "prefixItems" in schema:
+        each = list(map(limits, schema["prefixItems"]))
+        return f"{len(each)} numbers {each[0]}" if len(set(each)) == 1 else " and ".join(each)
+    kind = schema.get("type", "")
+    if kind == "array":
+        return f"list of: {limits(schema['items'])}" if "$ref" not in schema["items"] else "list"
+    if kind in ("integer", "number"):
+        return _between(schema) or ("whole number" if kind == "integer" else "number")
+    return {"boolean": "true, false", "string": "text", "null": "null", "object": "mapping"}.get(kind, "mapping")
+
+
+def _between(schema: dict[str, Any]) -> str:
+    least, above = schema.get("minimum"), schema.get("exclusiveMinimum")
+    most, below = schema.get("maximum"), schema.get("exclusiveMaximum")
+    if least is not None and most is not None:
+        return f"{least} to {most}"
+    signs = ((">=", least), (">", above), ("<=", most), ("<", below))
+    return ", ".join(f"{sign} {bound}" for sign, bound in signs if bound is not None)

@@ -4,15 +4,14 @@ import re
 import textwrap
 from collections.abc import Iterator
 from decimal import Decimal
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 import yaml
 from pydantic.fields import FieldInfo
 
 from foggy_synscapes.params.experiment import Params
-from foggy_synscapes.params.facts import comment
 from foggy_synscapes.params.sources import KNOWN
-from foggy_synscapes.schema import Section, open_section
+from foggy_synscapes.schema import Section, facts_of, members, open_section
 
 WIDTH = 120
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./ +-]*")
@@ -53,7 +52,7 @@ def _entry(key: str, field: FieldInfo | None, value: Any, place: str, indent: in
 
 
 def _value(key: str, value: Any, words: list[str], place: str, indent: int) -> list[str]:
-    about = "; ".join(words + (KNOWN[place].words() if place in KNOWN else []))
+    about = "; ".join([*words, *filter(None, [KNOWN.get(place)])])
     inner = indent + 2
     begin = f"{' ' * indent}{scalar(key)}:"
     if isinstance(value, Section) and not _fits(value, len(begin)):
@@ -123,3 +122,31 @@ def scalar(value: str | int | float | bool | None) -> str:
     if PLAIN.fullmatch(value) and yaml.safe_load(value) == value:
         return value
     return yaml.safe_dump(value, default_style='"', width=float("inf"), allow_unicode=False).strip()
+
+
+def facts(field: FieldInfo) -> list[str]:
+    """Meaning, published value and source of a field, as phrases."""
+    extra = facts_of(field)
+    published = f"published: {extra['published']}" if "published" in extra else None
+    return [fact for fact in (field.description, published, extra.get("source")) if fact]
+
+
+def unit(field: FieldInfo) -> str:
+    """Unit of a field; empty where it has none."""
+    return facts_of(field).get("unit", "")
+
+
+def comment(field: FieldInfo) -> list[str]:
+    """Unit and facts as phrases; before them the choices, where the meaning does not name each."""
+    first, *rest = facts(field) or [""]
+    begin = [" | ".join(choices(field))] if any(choice not in first for choice in choices(field)) else []
+    return [*begin, *filter(None, [f"{unit(field)}, {first}" if unit(field) else first]), *rest]
+
+
+def choices(field: FieldInfo) -> list[str]:
+    """The values that a field may have, where its type lists them.
+
+    >>> choices(FieldInfo(annotation=Literal["poly", "constant"]))
+    ['poly', 'constant']
+    """
+    return [str(value) for part in members(field.annotation) if get_origin(part) is Literal for value in get_args(part)]

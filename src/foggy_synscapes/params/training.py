@@ -6,7 +6,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.networks import NETWORKS
-from foggy_synscapes.params.names import NetworkName, RowName, SeedName
+from foggy_synscapes.params.names import Device, NetworkName, RowName, SeedName
 from foggy_synscapes.schema import Section, setting
 from foggy_synscapes.training.policy import BASELINE, Duration, Policy
 
@@ -71,8 +71,10 @@ class Train(Section):
     cache: int = setting(
         "of decoded images and labels kept in memory; larger lists are read again each time", unit="MiB", ge=0
     )
-    device: Literal["cpu", "cuda"] = setting("where networks are trained")
-    precision: Literal["float32", "bfloat16"] = setting("of the networks' arithmetic")
+    device: Device | None = setting("where networks are trained; null: where `device` says")
+    precision: Literal["float32", "bfloat16", "float16"] = setting(
+        "of the networks' arithmetic; weights stay float32, and in float16 the loss is scaled"
+    )
     memory_format: Literal["channels_last", "contiguous"] = setting(
         "of images in memory; with channels_last BiSeNet was 10 to 20 %, RefineNet 30 % faster on a CPU"
     )
@@ -138,6 +140,10 @@ class Train(Section):
             return self.network(network).fine_tuning
         start = self._start(network, row)
         return start.policy if start is not None and start.policy is not None else self.network(network).baseline
+
+    def schedule(self, network: str, row: str) -> Row | BaselinePolicy | None:
+        """How long a network trains in a row and how often it is validated; None where it does not train."""
+        return self.rows[row] or self.network(network).baseline
 
     def weights(self, network: str, row: str) -> str:
         """File that a row in `from_weights` starts from, or none."""

@@ -8,6 +8,7 @@ instructions are.
 import importlib
 import os
 import platform
+from pathlib import Path
 
 # What limits the libraries below the processor's own instructions, where it is set.
 LIMITS = ("ATEN_CPU_CAPABILITY", "DNNL_MAX_CPU_ISA", "MKL_ENABLE_INSTRUCTIONS", "NUMBA_CPU_NAME", "ONEDNN_MAX_CPU_ISA")
@@ -25,3 +26,15 @@ def instructions() -> dict[str, str]:
     found = " ".join(sorted(name for name, there in features.items() if there))
     limits = {name: os.environ[name] for name in LIMITS if os.environ.get(name)}
     return {"machine": platform.machine(), "extensions": found, **limits}
+
+
+def gpu() -> dict[str, str]:
+    """What decides the bytes that a GPU makes: its model, the driver, and the versions of CUDA and cuDNN."""
+    torch = importlib.import_module("torch")
+    driver = Path("/sys/module/nvidia/version")  # PyTorch knows the driver's level of CUDA only
+    return {
+        "model": torch.cuda.get_device_name(),
+        "driver": driver.read_text(encoding="ascii").strip() if driver.is_file() else "unknown",
+        "cuda": str(torch.version.cuda),
+        "cudnn": str(torch.backends.cudnn.version()),
+    }

@@ -17,7 +17,7 @@ from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.names import check_name
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.provenance import source_digest
-from foggy_synscapes.provenance.instructions import instructions
+from foggy_synscapes.provenance.instructions import gpu, instructions
 from foggy_synscapes.provenance.recorded import recorded
 from foggy_synscapes.results import RESULTS
 from foggy_synscapes.steps import REGISTRIES
@@ -46,10 +46,10 @@ class Run:
         versions = {"python": platform.python_version(), **self.libraries}
         return {"code": self.code, "versions": versions, "params": self.params, "inputs": self.inputs}
 
-    def finish(self, outputs: Iterable[str | Path] | None = None, processes: int = 1) -> None:
+    def finish(self, outputs: Iterable[str | Path] | None = None, processes: int = 1, device: str = "cpu") -> None:
         """Write the record beside the outputs: all of the job's, or those that are named.
 
-        processes : number of processes that shared the arithmetic
+        processes : number of processes that shared the arithmetic; device : where, "cpu" or "cuda"
         """
         written = self.job.outputs() if outputs is None else outputs
         made_by = self.identity()
@@ -60,6 +60,7 @@ class Run:
             "outputs": {Path(path).as_posix(): sha256(path) for path in sorted(written, key=str)},
             "instructions": instructions(),
             "processes": processes,
+            **({"gpu": gpu()} if device == "cuda" else {}),
         }
         text = json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False)
         write_text(self.job.output("record"), text + "\n")

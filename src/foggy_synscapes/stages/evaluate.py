@@ -2,14 +2,17 @@
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from foggy_synscapes.datasets import DATASETS, test_sets
 from foggy_synscapes.datasets.index import expect, read_index
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.io.ahead import Watch, ahead
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
@@ -117,11 +120,14 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         If the model or an image is missing, damaged or not as listed, or the label maps are not labelIds.
     """
     # Only this way of scoring needs a network, and loading torch takes seconds.
-    import torch
-
+    from foggy_synscapes.networks.device import take
     from foggy_synscapes.networks.weights import load_model
 
-    torch.set_num_threads(params.evaluate.threads)
+    asked = params.evaluate
+    try:
+        device = take(params.device_of("evaluate"), asked.threads, **params.gpu.model_dump())
+    except ValueError as error:
+        raise FoggyError(str(error)) from error
     this = job(params, "evaluate", network=network, row=row, seed=seed, test_set=test_set)
     source = this.input("model")
     if not source.is_file():
@@ -137,29 +143,48 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         raise FoggyError(
             f"{source}: predicts {model.config.classes} classes, expected the {len(CLASSES)} of Cityscapes"
         )
+    model.network.to(device)
     index, data = read_index(this.input("index")), root(params, test_set)
     pairs = DATASETS[test_set].tested(data, index, params.scenes)
     expect(index, [path for pair in pairs for path in pair], test_set)
     scores: dict[str, Any] = {}
-    images = _predictions(model, data, index, pairs, scores)
+    watch = Watch(ahead(lambda pair: _read(data, index, pair), pairs, asked.workers))
+    images = _predictions(model, data, watch, scores)
     write_shard(this.output("predictions"), progress(images, f"evaluate {test_set}", total=len(pairs)))
     _write_scores(this.output("metrics"), scores)
-    run.finish()
-    print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}")
+    run.finish(device=device)
+    waited = f"waited for images {watch.share:.1%} of the time"
+    print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}; {waited}")
+
+
+Pair = tuple[np.ndarray, np.ndarray, str, str]  # image, label map, and their names
+
+
+def _read(folder: Path, index: dict[str, str], pair: tuple[str, str]) -> Pair:
+    image, label = pair
+    rgb = read_rgb(read_checked(folder / image, index[image]), str(folder / image))
+    return rgb, read_ids(read_checked(folder / label, index[label]), str(folder / label)), image, label
 
 
 def _predictions(
-    model: Any, folder: Path, index: dict[str, str], pairs: list[tuple[str, str]], scores: dict[str, Any]
+    model: Any, folder: Path, pairs: Iterable[Pair], scores: dict[str, Any]
 ) -> Iterator[tuple[str, bytes]]:
     """Predict image by image and give (member name, PNG of trainIds); at the end, put the scores into `scores`.
 
     Scoring belongs to the iteration so that predictions that cannot be scored are not kept either.
     """
     tally = Tally()
-    for image, label in pairs:
-        rgb = read_rgb(read_checked(folder / image, index[image]), str(folder / image))
-        truth = read_ids(read_checked(folder / label, index[label]), str(folder / label))
-        predicted = model.predict(rgb)
+    for rgb, truth, image, label in pairs:
+        try:
+            predicted = model.predict(rgb)
+        except RuntimeError as error:
+            # By its name: this module is imported without PyTorch, too.
+            if type(error).__name__ != "OutOfMemoryError":
+                raise
+            size = f"{rgb.shape[0]} x {rgb.shape[1]}"
+            raise FoggyError(
+                f"{image}: not enough memory on the GPU for {size} pixels. Set evaluate.device to cpu."
+            ) from error
         try:
             tally.add(truth, predicted, label, image)
         except ValueError as error:

@@ -2,21 +2,21 @@
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import torch
 
 from foggy_synscapes.datasets.calibration import calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.networks.device import take
+from foggy_synscapes.networks.weights import Model, load_model
 from foggy_synscapes.params import load
 from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
-
-if TYPE_CHECKING:
-    from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.tradeoff.compare import Difference
+from foggy_synscapes.tradeoff.compare import Difference
+from foggy_synscapes.tradeoff.graph import Graph
 
 HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
@@ -56,6 +56,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help="list of training images (CSV of `foggy subset`) for --int8 (default: the one that the row trained on)",
     )
+    parser.add_argument(
+        "--device",
+        default="cpu",
+        choices=["cpu", "cuda", "auto"],
+        help="where PyTorch computes what the graph is compared with (default: cpu)",
+    )
     parser.add_argument("--images", type=int, default=32, metavar="N", help="images of LIST to use (default: 32)")
 
 
@@ -80,42 +86,43 @@ def run(args: argparse.Namespace) -> None:
         chosen = args.calibrate or (run_file(LIST, row=args.row) if args.row else None)
         if chosen is None:
             raise UsageError("--int8 with --model: name the images to calibrate on by --calibrate LIST")
-        params = load(args.params)
-        reader = Reader(roots(params), FOG)
+        reader = Reader(roots(load(args.params)), FOG)
         images = calibration_images(chosen, reader, args.images, composite)
-    export(source, args.out, args.output, args.scale, images)
+    export(source, args.out, args.output, args.scale, images, args.device)
 
 
 def export(
-    source: Path, out: Path, output: str = "classes", scale: float = 1.0, images: list[np.ndarray] | None = None
-) -> "Difference":
+    source: Path,
+    out: Path,
+    output: str = "classes",
+    scale: float = 1.0,
+    images: list[np.ndarray] | None = None,
+    device: str = "cpu",
+) -> Difference:
     """Write the graph of a model file, after comparing what ONNX Runtime makes of it with PyTorch; print how far.
 
     images : uint8 (H, W, 3), RGB: with them the graph is quantised to 8 bits, calibrated on them
 
-    Raises
-    ------
-    FoggyError
-        If the file is missing, damaged or no whole model; if a package is missing; if the logits of a float32 graph
-        differ from PyTorch's by more than `TOLERANCE`.
+    Raises FoggyError if the file is missing, damaged or no whole model; if a package is missing; if the logits of a
+    float32 graph differ from PyTorch's by more than `TOLERANCE`.
     """
-    from foggy_synscapes.networks.weights import load_model
-    from foggy_synscapes.tradeoff import onnx_export
-    from foggy_synscapes.tradeoff.quantize import to_int8
-
     try:
+        device = take(device, torch.get_num_threads())
         model = load_model(source.read_bytes())
     except OSError as error:
         raise FoggyError(f"{source}: the model cannot be read: {error.strerror}") from error
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     try:
+        from foggy_synscapes.tradeoff import onnx_export
+        from foggy_synscapes.tradeoff.quantize import to_int8
+
         graph = onnx_export.to_onnx(model, scale)
         if images:
             graph = to_int8(graph, images)
         random = np.random.default_rng(0)
         samples = images or [random.integers(0, 256, (*size, 3), np.uint8) for size in SIZES]
-        difference = _compare(model, scale, graph, samples)
+        difference = _compare(model, scale, graph, samples, device)
         data = onnx_export.with_output(graph, output)
     except ImportError as error:
         raise FoggyError(f"the ONNX format needs the packages {PACKAGES} ({error})") from error
@@ -134,17 +141,13 @@ def export(
     return difference
 
 
-def _compare(model: "Model", scale: float, graph: bytes, images: list[np.ndarray]) -> "Difference":
-    import torch
-
-    from foggy_synscapes.tradeoff.compare import Difference
-    from foggy_synscapes.tradeoff.graph import Graph
+def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray], device: str) -> Difference:
     from foggy_synscapes.tradeoff.session import Session
 
-    session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval()
+    session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval().to(device)
     difference = Difference()
     for image in images:
         with torch.inference_mode():
-            reference = eager(torch.from_numpy(image)[None])[0][0].numpy()
+            reference = eager(torch.from_numpy(image)[None].to(device))[0][0].cpu().numpy()
         difference.add(reference, session(image, "logits"))
     return difference

@@ -1,6 +1,7 @@
 """params: check a params file, print it complete with units and sources, or say what it asks for."""
 
 import argparse
+import sys
 from pathlib import Path
 
 from foggy_synscapes.errors import UsageError
@@ -48,6 +49,8 @@ def _asked(args: argparse.Namespace) -> str:
         return reference.json_schema() if args.schema else reference.markdown(defaults)
     path = args.file or args.params
     params = check({}, "defaults") if args.defaults else load(path)
+    for warning in params.warnings():
+        print(f"{path}: warning: {warning}", file=sys.stderr)
     if args.check:
         return f"{path}: good\n"
     return "\n".join(summary(params)) + "\n" if args.summary else resolved.text(params)

@@ -169,7 +169,7 @@ def _model(path: Path) -> "Model":
 def _costs(job: Job, models: dict[str, Path], lists: dict[str, Path], reader: Reader) -> list["Cost"]:
     """What fine-tuning each network on each list of purely synthetic images costs, and what it scores."""
     from foggy_synscapes.tradeoff.training import Cost, seconds_per_step
-    from foggy_synscapes.training.forward import Arithmetic
+    from foggy_synscapes.training.learner import Arithmetic
 
     settings, train = job.params.tradeoff, job.params.train
     arithmetic = Arithmetic("cpu", train.precision, train.memory_format)

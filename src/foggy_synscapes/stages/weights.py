@@ -4,18 +4,19 @@ import argparse
 import pickle
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import safetensors.torch
+import torch
+from safetensors import SafetensorError
+from torch import Tensor
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.matlab import read_parameters
 from foggy_synscapes.networks import NETWORKS
-from foggy_synscapes.networks.importers.layouts import layouts
-
-if TYPE_CHECKING:
-    from torch import Tensor
-
-    from foggy_synscapes.networks.importers.convert import Imported
+from foggy_synscapes.networks.importing import Imported, convert, from_matconvnet
+from foggy_synscapes.networks.layouts import layouts
+from foggy_synscapes.networks.weights import dump_tensors
 
 HELP = "Import public weights: whole networks, or backbones to start from."
 CONTAINERS = ("state_dict", "model", "model_state", "net", "weights")  # keys under which checkpoints keep the tensors
@@ -53,37 +54,30 @@ def run(args: argparse.Namespace) -> None:
 def weights(file: Path, network: str, out: Path, layout: str = "auto", lenient: bool = False) -> None:
     """Import a public file; what is read, and what does not fit, is printed.
 
-    Raises
-    ------
-    FoggyError
-        If the file cannot be read without running code in it, if its layout is unknown or of another network, or if a
-        tensor is missing or left over and not `lenient`.
+    Raises FoggyError if the file cannot be read without running code in it, if its layout is unknown or of another
+    network, or if a tensor is missing or left over and not `lenient`.
     """
-    from foggy_synscapes.networks.importers.convert import convert
-    from foggy_synscapes.networks.weights import dump_tensors
-
     try:
         found = convert(_read(file), network, layout)
     except ValueError as error:
         raise FoggyError(f"{file}: {error}") from error
-    whole = not found.missing
     if not lenient and (found.missing or found.left_over):
         raise FoggyError(f"{file}: {_misfits(found)}. Is the file whole? With --lenient the rest is used as it is.")
-    part = found.part if whole else "some"
+    part = "some" if found.missing else found.part
     write_bytes(out, dump_tensors(found.tensors, found.config, found.preprocessing, part))
     print(_summary(found, file, out))
 
 
-def _misfits(found: "Imported") -> str:
-    parts = []
-    for names, word in ((found.missing, "missing"), (found.left_over, "left over")):
-        if names:
-            shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-            parts.append(f"{len(names)} tensors {word}: {shown}")
-    return "; ".join(parts)
+def _misfits(found: Imported) -> str:
+    both = ((found.missing, "missing"), (found.left_over, "left over"))
+    return "; ".join(
+        f"{len(names)} tensors {word}: {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}"
+        for names, word in both
+        if names
+    )
 
 
-def _summary(found: "Imported", file: Path, out: Path) -> str:
+def _summary(found: Imported, file: Path, out: Path) -> str:
     config, prepared = found.config, found.preprocessing
     of = "" if found.part == "network" else "backbone of "
     lines = [
@@ -96,16 +90,10 @@ def _summary(found: "Imported", file: Path, out: Path) -> str:
     return "\n".join([*lines, f"not used or missing, as --lenient allows: {misfits}"] if misfits else lines)
 
 
-def _read(path: Path) -> dict[str, "Tensor"]:
+def _read(path: Path) -> dict[str, Tensor]:
     """Tensors of a file by name. Code in pickles is refused, not run."""
-    import safetensors.torch
-    import torch
-    from safetensors import SafetensorError
-
-    from foggy_synscapes.networks.importers import matconvnet
-
     if path.suffix == ".mat":
-        return matconvnet.tensors(read_parameters(path))
+        return from_matconvnet(read_parameters(path))
     try:
         if path.suffix == ".safetensors":
             return safetensors.torch.load_file(path)
@@ -124,10 +112,8 @@ def _read(path: Path) -> dict[str, "Tensor"]:
     return _tensors(content, path)
 
 
-def _tensors(content: object, path: Path) -> dict[str, "Tensor"]:
+def _tensors(content: object, path: Path) -> dict[str, Tensor]:
     """The tensors of a checkpoint, which may hold them under a key beside its optimiser and step."""
-    import torch
-
     while isinstance(content, dict):
         tensors = {name: value for name, value in content.items() if isinstance(value, torch.Tensor)}
         if tensors and all(isinstance(name, str) for name in tensors):

@@ -54,7 +54,7 @@ def to_onnx(model: Model, scale: float = 1.0) -> bytes:
     proto = program.model_proto
     _strip(proto)
     _pool(proto.graph)
-    about = {"network": model.config.to_dict(), "preprocessing": asdict(model.preprocessing), "scale": scale}
+    about = {"network": asdict(model.config), "preprocessing": asdict(model.preprocessing), "scale": scale}
     onnx.helper.set_model_props(proto, {KEY: json.dumps(about, sort_keys=True)})
     proto.producer_name, proto.producer_version = "foggy-synscapes", ""
     onnx.checker.check_model(proto)

@@ -9,7 +9,7 @@ from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.tables.numbers import signed
 from foggy_synscapes.training import loop
-from foggy_synscapes.training.forward import Arithmetic
+from foggy_synscapes.training.learner import Arithmetic
 from foggy_synscapes.training.loader import Sample, Samples
 from foggy_synscapes.training.policy import Policy
 
@@ -51,7 +51,7 @@ def seconds_per_step(model: Model, policy: Policy, arithmetic: Arithmetic, sampl
     times = [time.process_time()]
     plan = loop.Plan(steps + 2, steps + 2, steps + 2, steps + 2, seed=0, workers=0)
     loop.train(
-        model.network, model.preprocessing, policy, plan, arithmetic, samples, First(samples),
+        model, policy, plan, arithmetic, samples, First(samples),
         save=lambda data: None, settings={}, report=lambda *_: times.append(time.process_time()),
     )  # fmt: skip
     # The first step finds its memory, the last is followed by a validation.

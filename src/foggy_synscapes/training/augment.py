@@ -21,21 +21,15 @@ def augment(
 
     Resizing by s and then cropping is cropping a window smaller by s and then resizing: only the window is touched.
 
-    Parameters
-    ----------
-    image : uint8 (H, W, 3); labels : uint8 (H, W), trainIds
-    crop : rows and columns of the result, in pixels
-    scale : smallest and largest factor of the resizing, drawn uniformly
-    flip : mirror left and right in half of the cases
+    image : uint8 (H, W, 3); labels : uint8 (H, W), trainIds; crop : rows and columns of the result, in pixels
+    scale : smallest and largest factor of the resizing, drawn uniformly; flip : mirror in half of the cases
     random : all random choices come from it, in a fixed number and order
     class_balance : centre the window on a pixel of a class that is drawn from the image's classes, each as likely as
         the next, and move it only as far as it must to stay inside; otherwise it lies anywhere. Source: RefineNet's
         released training code (crops of type "class_sample"), on which the SFSU fine-tuning is built
 
-    Returns
-    -------
-    Image uint8 (*crop, 3), resized bilinearly, and labels uint8 (*crop), by nearest neighbour. Where the window is
-    larger than the image, the rest is filled with `FILL` and ignored. Both may be views of what was given.
+    Returns an image uint8 (*crop, 3), resized bilinearly, and labels uint8 (*crop), by nearest neighbour. Where the
+    window is larger than the image, the rest is filled with `FILL` and ignored. Both may be views of what was given.
     """
     if image.shape[:2] != labels.shape:
         raise ValueError(f"labels: {labels.shape} pixels, but the image has {image.shape[:2]}")
@@ -44,11 +38,10 @@ def augment(
     mirrored = random.random() < 0.5
     window = [max(1, round(side / factor)) for side in crop]
     centre = _balanced(labels, random) if class_balance else None
-    if centre is None:
-        spans = (_span(size, part, place) for size, part, place in zip(labels.shape, window, corners, strict=True))
-    else:
-        spans = (_around(size, part, place) for size, part, place in zip(labels.shape, window, centre, strict=True))
-    rows, columns = spans
+    rows, columns = (
+        _span(size, part, place, pixel)
+        for size, part, place, pixel in zip(labels.shape, window, corners, centre or (None, None), strict=True)
+    )
     image, labels = _cut(image, rows, columns, FILL), _cut(labels, rows, columns, IGNORE)
     pixels = torch.from_numpy(image).permute(2, 0, 1)[None]
     if tuple(window) != tuple(crop):
@@ -77,17 +70,13 @@ def _balanced(labels: np.ndarray, random: np.random.Generator) -> tuple[int, int
     return divmod(int(pixel), labels.shape[1])
 
 
-def _around(size: int, part: int, centre: int) -> tuple[int, int]:
-    """Begin and end of a window around a pixel, as far as `_span` can place it."""
-    low, high = sorted((0, size - part))
-    begin = min(max(centre - part // 2, low), high)
-    return begin, begin + part
+def _span(size: int, part: int, place: float, pixel: int | None) -> tuple[int, int]:
+    """Begin and end of a window along one axis: inside of the image, or around it where the window is larger.
 
-
-def _span(size: int, part: int, place: float) -> tuple[int, int]:
-    """Begin and end of a window along one axis: inside of the image, or around it where the window is larger."""
+    place : in [0, 1), of all that are possible; pixel : instead, what it is centred on as far as it can
+    """
     low, high = sorted((0, size - part))
-    begin = low + int(place * (high - low + 1))
+    begin = low + int(place * (high - low + 1)) if pixel is None else min(max(pixel - part // 2, low), high)
     return begin, begin + part
 
 

@@ -5,13 +5,13 @@ They are no results: they are beside the logs, and nothing is made from them.
 
 import importlib
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 
-Values = dict[str, float]
+Values = Mapping[str, float | int | None]
 
 
 class Live:
@@ -35,9 +35,9 @@ class Live:
                 raise FoggyError(f"train.live: {tool} cannot begin in {folder}: {error}") from error
 
     def write(self, step: int, values: Values) -> None:
-        """Add the values of a step by their names, such as train/loss."""
+        """Add the values of a step by their names, such as train/loss; None was not taken."""
         for write, _ in self._writers:
-            write(step, values)
+            write(step, {name: value for name, value in values.items() if value is not None})
 
     def close(self) -> None:
         """Finish the files."""

@@ -1,7 +1,7 @@
-"""Batches of augmented samples, from this process or from loader workers: the same either way."""
+"""Batches of samples, from this process or from loader workers: the same either way."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -10,10 +10,9 @@ from torch import Tensor
 from torch.utils.data import DataLoader, Dataset
 
 from foggy_synscapes.training.augment import augment
-from foggy_synscapes.training.order import batch_indices
 from foggy_synscapes.training.policy import Policy
 from foggy_synscapes.training.ranks import ALONE, Ranks
-from foggy_synscapes.training.streams import generator
+from foggy_synscapes.training.streams import batch_indices, generator
 
 Sample = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3) and labels uint8 (H, W), trainIds
 
@@ -39,6 +38,16 @@ class Batch:
     labels: Tensor
     indices: list[int]
 
+    def pin_memory(self) -> "Batch":
+        """The batch in page-locked memory, from which CUDA copies while it computes; called by PyTorch's loader."""
+        return replace(self, images=self.images.pin_memory(), labels=self.labels.pin_memory())
+
+
+def collate(samples: list[Sample], indices: list[int]) -> Batch:
+    """A batch of samples of one size; the images keep their pixel-by-pixel layout in memory."""
+    images, labels = (torch.from_numpy(np.stack(arrays)) for arrays in zip(*samples, strict=True))
+    return Batch(images.permute(0, 3, 1, 2), labels, indices)
+
 
 class Steps(Dataset):
     """Item i is the batch of step `first` + i: a pure function of the seed and of the step."""
@@ -46,8 +55,7 @@ class Steps(Dataset):
     def __init__(
         self, samples: Samples, policy: Policy, seed: int, first: int, last: int, ranks: Ranks = ALONE
     ) -> None:
-        self.samples, self.policy, self.seed = samples, policy, seed
-        self.first, self.last = first, last
+        self.samples, self.policy, self.seed, self.first, self.last = samples, policy, seed, first, last
         self.places = ranks.places(policy.batch, policy.accumulate)
 
     def __len__(self) -> int:
@@ -63,54 +71,88 @@ class Steps(Dataset):
             random = generator(self.seed, "augment", step, place)
             sample = self.samples.load(indices[place])
             parts.append(augment(*sample, policy.crop, policy.scale, policy.flip, random, policy.class_balance))
-        return collate([image for image, _ in parts], [labels for _, labels in parts], indices)
+        return collate(parts, indices)
 
 
-def collate(images: list[np.ndarray], labels: list[np.ndarray], indices: list[int]) -> Batch:
-    """A batch of images and label maps of one size; the images keep their pixel-by-pixel layout in memory."""
-    stacked = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2)
-    return Batch(stacked, torch.from_numpy(np.stack(labels)), indices)
+class Whole(Dataset):
+    """Item i is sample i as it is."""
+
+    def __init__(self, samples: Samples) -> None:
+        self.samples = samples
+
+    def __len__(self) -> int:
+        return self.samples.count
+
+    def __getitem__(self, item: int) -> Batch:
+        if not 0 <= item < len(self):
+            raise IndexError(item)
+        return collate([self.samples.load(item)], [item])
 
 
-def batches(steps: Steps, workers: int, pinned: bool = False) -> Iterator[Batch]:
-    """The batches in order; `workers` processes load ahead, 0 loads in this process.
+def ahead(items: Dataset, workers: int, pinned: bool = False) -> Iterable[Batch]:
+    """The items in order, as often as they are asked for; `workers` processes load ahead, 0 loads in this process.
 
     pinned : put them in page-locked memory, from which CUDA copies faster
     """
     if workers == 0:
-        for item in range(len(steps)):
-            yield steps[item]
-        return
+        return items  # type: ignore[return-value]  # PyTorch's type says nothing of what indexing alone gives
     loader = DataLoader(
-        Carried(steps),
+        Carried(items),
         batch_size=None,
         num_workers=workers,
         pin_memory=pinned,
+        persistent_workers=True,
         worker_init_fn=_one_thread,
         # The loader draws a seed for its workers; it must not draw from the generator that dropout uses.
         generator=torch.Generator(),
     )
-    for batch in loader:
-        if isinstance(batch, Exception):
-            raise batch
-        yield batch
+    return Raised(loader)
+
+
+def _one_thread(_worker: int) -> None:
+    torch.set_num_threads(1)
 
 
 class Carried(Dataset):
     """Items of a data set, or the error instead: raised in a worker, its message would drown in a traceback."""
 
-    def __init__(self, steps: Steps) -> None:
-        self.steps = steps
+    def __init__(self, items: Dataset) -> None:
+        self.items = items
 
     def __len__(self) -> int:
-        return len(self.steps)
+        return len(self.items)  # type: ignore[arg-type]
 
     def __getitem__(self, item: int) -> Batch | Exception:
         try:
-            return self.steps[item]
+            return self.items[item]
         except Exception as error:
             return error
 
 
-def _one_thread(_worker: int) -> None:
-    torch.set_num_threads(1)
+class Raised:
+    """What workers carried; an error among it is raised here."""
+
+    def __init__(self, loader: DataLoader) -> None:
+        self.loader = loader
+
+    def __iter__(self) -> Iterator[Batch]:
+        for batch in self.loader:
+            if isinstance(batch, Exception):
+                raise batch
+            yield batch
+
+
+def groups(batches: Iterable[Batch], size: int) -> Iterator[Batch]:
+    """Neighbours of one size of image put together, at most so many."""
+    held: list[Batch] = []
+    for batch in batches:
+        if held and (len(held) == size or batch.images.shape != held[0].images.shape):
+            yield _joined(held)
+            held = []
+        held.append(batch)
+    yield _joined(held)
+
+
+def _joined(held: list[Batch]) -> Batch:
+    images, labels = torch.cat([each.images for each in held]), torch.cat([each.labels for each in held])
+    return Batch(images, labels, [index for each in held for index in each.indices])

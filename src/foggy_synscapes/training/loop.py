@@ -5,22 +5,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import torch
 from torch import Tensor
 
-from foggy_synscapes.networks.network import Network
-from foggy_synscapes.networks.weights import Preprocessing
+from foggy_synscapes.io.ahead import Watch
+from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.training import snapshots
-from foggy_synscapes.training.forward import Arithmetic, NotFiniteError
-from foggy_synscapes.training.loader import Samples, Steps, batches
-from foggy_synscapes.training.order import steps_per_epoch
-from foggy_synscapes.training.parameters import parameter_groups, set_training
+from foggy_synscapes.training.learner import Arithmetic, Learner, NotFiniteError
+from foggy_synscapes.training.loader import Samples, Steps, Whole, ahead, groups
 from foggy_synscapes.training.policy import Policy
 from foggy_synscapes.training.ranks import ALONE, Ranks
 from foggy_synscapes.training.snapshots import Progress
-from foggy_synscapes.training.step import Learner, take_step
-from foggy_synscapes.training.streams import seed_torch
-from foggy_synscapes.training.validation import validate
+from foggy_synscapes.training.streams import seed_torch, steps_per_epoch
 
 CURVE = ("step", "epoch", "learning_rate", "train_loss", "validation_loss", "validation_miou")
 
@@ -50,18 +45,18 @@ class Plan:
 class Outcome:
     """The weights with the lowest validation loss, when they were reached, and the rows of the curve.
 
-    None of it is known to a process that does not validate.
+    None of these is known to a process that does not validate. waited : share of the time that steps waited for batches
     """
 
     best: dict[str, Tensor]
     best_step: int | None
     best_loss: float | None
     curve: list[list[float | int | None]]
+    waited: float
 
 
 def train(
-    network: Network,
-    preprocessing: Preprocessing,
+    model: Model,
     policy: Policy,
     plan: Plan,
     arithmetic: Arithmetic,
@@ -74,69 +69,64 @@ def train(
     record: Callable[[list], None] = lambda row: None,
     ranks: Ranks = ALONE,
 ) -> Outcome:
-    """Train a network, keep the weights of the lowest validation loss, and save snapshots to go on from.
+    """Train a model's network in place, keep the weights of the lowest validation loss, save snapshots to go on from.
 
     Started again with the last snapshot and the same arguments, the outcome is the same to the last bit.
 
     Several processes that share a training take the samples of a step that one would take, and add up one loss and
     gradient (see `ranks`); the first validates and saves, and its outcome is the training's.
 
-    Parameters
-    ----------
     validation : the list that snapshots are compared on; only the first process needs it
     save : takes the bytes of a snapshot; settings : plain values that identify the training, kept in it
     snapshot : bytes that `save` was given in an earlier run, or None to begin
     report : called after each step with the number of steps done, the step's loss and its learning rate
     record : called with each row of the curve, with those of earlier runs too; ranks : who shares this training
 
-    Raises
-    ------
-    NotFiniteError
-        If a training or validation loss is infinite or not a number.
-    SnapshotError
-        If the snapshot is not one of this training (see `snapshots.restore`).
-    ValueError
-        If a batch is larger than the list, or if the processes cannot share it or were given other settings.
+    Raises NotFiniteError if a loss is infinite or not a number; SnapshotError if the snapshot is not one of this
+    training; ValueError if a batch is larger than the list, or the processes cannot share it or disagree.
     """
     epoch = steps_per_epoch(training.count, policy.batch)
-    arithmetic.place(network)
-    set_training(network, policy)
-    optimiser = torch.optim.SGD(parameter_groups(network, policy), lr=policy.learning_rate, momentum=policy.momentum)
+    learner = Learner(model, policy, arithmetic, ranks)
     best: dict[str, Tensor] = {}
     progress = Progress()
     if snapshot is not None:
-        best, progress = snapshots.restore(snapshot, network, optimiser, settings)
+        best, progress = snapshots.restore(snapshot, learner.network, learner.optimiser, settings)
+        learner.scaler.load_state_dict(progress.scaler)
         for row in progress.curve:
             record(row)
     ranks.agree(json.dumps([settings, progress.step], sort_keys=True))
+    learner.wrap()
+    pinned = arithmetic.device == "cuda"
+    whole = ahead(Whole(validation), plan.workers, pinned) if ranks.first and validation is not None else None
     steps = Steps(training, policy, plan.seed, progress.step, plan.steps, ranks)
-    learner = Learner(network, ranks, arithmetic.compile)
-    for batch in batches(steps, plan.workers, pinned=arithmetic.device == "cuda"):
+    watch = Watch(ahead(steps, plan.workers, pinned))
+    for batch in watch:
         step = progress.step
         rate = policy.rate(step, plan.steps)
-        for group in optimiser.param_groups:
+        for group in learner.optimiser.param_groups:
             group["lr"] = rate * group["factor"]
         seed_torch(plan.seed, "dropout", step)
-        loss = take_step(network, learner, preprocessing, policy, arithmetic, optimiser, batch, ranks)
+        loss = learner.step(batch)
         if not math.isfinite(loss):
-            names = ", ".join(training.name(index) for index in batch.indices)
+            names = ", ".join(map(training.name, batch.indices))
             raise NotFiniteError(f"loss is {loss} at step {step + 1}, on {names}. Is the learning rate too high?")
         progress.step = done = step + 1
         progress.losses = [progress.losses[0] + loss, progress.losses[1] + 1]
         last = done == plan.steps
         scores: tuple[float | None, float | None] = (None, None)
-        if ranks.first and validation is not None and (done % plan.validate_every == 0 or last):
-            scores = validate(network, preprocessing, policy, arithmetic, validation)
+        if whole is not None and validation is not None and (done % plan.validate_every == 0 or last):
+            with watch.paused():
+                scores = learner.validate(groups(whole, policy.batch), validation.name)
             if progress.best_loss is None or scores[0] < progress.best_loss:
                 progress.best_loss, progress.best_step = scores[0], done
-                best = {name: tensor.detach().clone() for name, tensor in network.state_dict().items()}
-            set_training(network, policy)
+                best = {name: tensor.detach().clone() for name, tensor in learner.network.state_dict().items()}
         if done % plan.curve_every == 0 or scores[0] is not None:
             mean = progress.losses[0] / progress.losses[1]
             progress.curve.append([done, done / epoch, rate, mean, *scores])
             progress.losses = [0.0, 0]
             record(progress.curve[-1])
         if ranks.first and done % plan.snapshot_every == 0 and not last:
-            save(snapshots.dump(network, optimiser, best, progress, settings))
+            progress.scaler = learner.scaler.state_dict()
+            save(snapshots.dump(learner.network, learner.optimiser, best, progress, settings))
         report(done, loss, rate)
-    return Outcome(best, progress.best_step, progress.best_loss, progress.curve)
+    return Outcome(best, progress.best_step, progress.best_loss, progress.curve, watch.share)

@@ -8,6 +8,7 @@ import torch.nn.functional as functional
 from torch import Tensor
 
 from foggy_synscapes.networks.network import resize
+from foggy_synscapes.training.policy import Policy
 from foggy_synscapes.training.ranks import ALONE, Ranks
 
 IGNORE = 255
@@ -62,30 +63,21 @@ def hard_examples(losses: Tensor, labelled: Tensor, threshold: float, kept: floa
     pixels are those of all processes (see `cross_entropy`).
     Source: TorchSeg (ProbOhemCrossEntropy2d), stated there on probabilities; on losses it holds for extreme logits too.
     """
-    at_least = min(int(kept * (labelled.numel() * ranks.count)), int(ranks.total(labelled.sum())))
-    limit = losses.new_tensor(-math.log(threshold))
-    hard = labelled & (losses >= limit)
-    if int(ranks.total(hard.sum())) < at_least:
+    limit = losses.new_full((1,), -math.log(threshold))
+    most = int(kept * (labelled.numel() * ranks.count))
+    if most:
         # Ignored pixels must not take places among the hardest: their loss of 0 ties with perfect predictions.
         candidates = losses.detach().masked_fill(~labelled, -1.0)
-        hardest = candidates.topk(min(at_least, len(candidates)), sorted=False).values
-        if ranks.count > 1:
-            # The hardest of all are among the hardest of each.
-            hardest = ranks.gathered(hardest).topk(at_least, sorted=False).values
-        hard = labelled & (losses >= hardest.min())
+        # The hardest of all processes' pixels are among the hardest of each.
+        hardest = ranks.gathered(candidates.topk(min(most, len(candidates))).values).topk(most).values
+        # Without asking how many are labelled, for which a GPU would have to be waited for.
+        at_least = ranks.total(labelled.sum()).clamp(1, most)
+        limit = torch.minimum(limit, hardest.gather(0, (at_least - 1).view(1)))
+    hard = labelled & (losses >= limit)
     return cross_entropy(losses * hard, hard, ranks)
 
 
-def total(
-    outputs: Sequence[Tensor],
-    targets: Tensor,
-    corners: bool,
-    loss: str = "cross_entropy",
-    threshold: float = 0.7,
-    kept: float = 1 / 16,
-    auxiliary_weight: float = 1.0,
-    ranks: Ranks = ALONE,
-) -> Tensor:
+def total(outputs: Sequence[Tensor], targets: Tensor, corners: bool, policy: Policy, ranks: Ranks = ALONE) -> Tensor:
     """Loss of the main output plus the weighted losses of the auxiliary ones; targets uint8 (B, H, W) of `grid`.
 
     Of several processes, each gives its part of the sum (see `cross_entropy`).
@@ -93,10 +85,8 @@ def total(
     parts = []
     for logits in outputs:
         losses, labelled, _ = pixel_losses(logits, targets, corners)
-        if loss == "ohem":
-            parts.append(hard_examples(losses, labelled, threshold, kept, ranks))
-        elif loss == "cross_entropy":
-            parts.append(cross_entropy(losses, labelled, ranks))
+        if policy.loss == "ohem":
+            parts.append(hard_examples(losses, labelled, policy.ohem_threshold, policy.ohem_kept, ranks))
         else:
-            raise ValueError(f"loss: {loss!r}, expected cross_entropy or ohem")
-    return parts[0] + auxiliary_weight * sum(parts[1:]) if len(parts) > 1 else parts[0]
+            parts.append(cross_entropy(losses, labelled, ranks))
+    return parts[0] + policy.auxiliary_weight * sum(parts[1:]) if len(parts) > 1 else parts[0]

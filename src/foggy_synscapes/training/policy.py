@@ -13,26 +13,26 @@ Factor = Annotated[FiniteFloat, Field(gt=0)]
 
 
 class Duration(Section):
-    """A number of epochs or of iterations."""
+    """A number of images, of epochs or of iterations."""
 
     inline = True
     whole = True
 
-    epochs: int | None = setting("over the list", default=None, unit="epochs", ge=1)
+    images: int | None = setting("drawn, whatever the batch", default=None, unit="images", ge=1)
+    epochs: int | None = setting("times as many images as are listed", default=None, unit="epochs", ge=1)
     iterations: int | None = setting("of one batch each", default=None, unit="iterations", ge=1)
 
     @model_validator(mode="after")
-    def _one_of_both(self) -> "Duration":
-        if (self.epochs is None) == (self.iterations is None):
-            raise ValueError("give either epochs or iterations")
+    def _one_of_them(self) -> "Duration":
+        if [self.images, self.epochs, self.iterations].count(None) != 2:
+            raise ValueError("give either images, epochs or iterations")
         return self
 
-    def steps(self, images: int, batch: int) -> int:
-        """Iterations for a list of so many images; an epoch's last batch is filled up, so no image is left out."""
+    def steps(self, listed: int, batch: int) -> int:
+        """Iterations for a list of so many images, the last one begun counting as whole."""
         if self.iterations is not None:
             return self.iterations
-        assert self.epochs is not None  # one of both is given
-        return self.epochs * -(-images // batch)
+        return -(-(self.images or (self.epochs or 0) * listed) // batch)
 
 
 class Policy(Section):

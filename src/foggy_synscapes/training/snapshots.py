@@ -3,12 +3,11 @@
 import json
 from dataclasses import dataclass, field
 
-import safetensors.torch
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from foggy_synscapes.networks.network import Network
-from foggy_synscapes.networks.weights import assign_values, read_tensors
+from foggy_synscapes.networks.weights import assign_values, pack, read_tensors
 
 KEY = "foggy_snapshot"
 
@@ -23,6 +22,7 @@ class Progress:
 
     step : steps done; curve : rows (see `loop.CURVE`); losses : sum and number of step losses since the last row
     best_loss, best_step : lowest validation loss so far and the step after which it was reached
+    scaler : state of the loss scaling of float16, where there is one
     """
 
     step: int = 0
@@ -30,14 +30,11 @@ class Progress:
     losses: list[float] = field(default_factory=lambda: [0.0, 0])
     best_loss: float | None = None
     best_step: int | None = None
+    scaler: dict[str, float] = field(default_factory=dict)
 
 
 def dump(
-    network: Network,
-    optimiser: torch.optim.Optimizer,
-    best: dict[str, Tensor],
-    progress: Progress,
-    settings: dict,
+    network: Network, optimiser: torch.optim.Optimizer, best: dict[str, Tensor], progress: Progress, settings: dict
 ) -> bytes:
     """A snapshot. `settings` : plain values that must be the same where it is taken up again.
 
@@ -50,11 +47,7 @@ def dump(
         buffer = optimiser.state.get(parameter, {}).get("momentum_buffer")
         if buffer is not None:
             tensors[f"momentum/{name}"] = buffer
-    about = {"progress": vars(progress), "settings": settings}
-    return safetensors.torch.save(
-        {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()},
-        {KEY: json.dumps(about, sort_keys=True)},
-    )
+    return pack(tensors, KEY, {"progress": vars(progress), "settings": settings})
 
 
 def restore(
@@ -62,27 +55,26 @@ def restore(
 ) -> tuple[dict[str, Tensor], Progress]:
     """Bring a network and its optimiser to the state of a snapshot; returns the best weights so far and the progress.
 
-    Raises
-    ------
-    SnapshotError
-        If it is no snapshot, was cut off, was taken with other settings (which are named), or of another network.
+    Raises SnapshotError if it is no snapshot, was cut off, was taken with other settings (which are named), or of
+    another network.
     """
+    parts: dict[str, dict[str, Tensor]] = {"network": {}, "best": {}, "momentum": {}}
     try:
         about, tensors = read_tensors(data, KEY)
-    except ValueError as error:
-        raise SnapshotError(str(error)) from error
-    different = differences(about["settings"], json.loads(json.dumps(settings)))
-    if different:
-        raise SnapshotError("taken with other settings: " + "; ".join(different))
-    parts: dict[str, dict[str, Tensor]] = {"network": {}, "best": {}, "momentum": {}}
-    for name, tensor in tensors.items():
-        part, _, rest = name.partition("/")
-        parts[part][rest] = tensor
-    try:
+        different = differences(about["settings"], json.loads(json.dumps(settings)))
+        if different:
+            raise ValueError("taken with other settings: " + "; ".join(different))
+        for name, tensor in tensors.items():
+            part, _, rest = name.partition("/")
+            parts[part][rest] = tensor
         assign_values(network, parts["network"])
     except ValueError as error:
         raise SnapshotError(str(error)) from error
-    _restore_momentum(network, optimiser, parts["momentum"])
+    for name, parameter in network.named_parameters():
+        if name in parts["momentum"]:
+            # The parameter's own layout in memory: the optimiser steps through both together.
+            buffer = torch.empty_like(parameter).copy_(parts["momentum"][name])
+            optimiser.state[parameter]["momentum_buffer"] = buffer
     return parts["best"], Progress(**about["progress"])
 
 
@@ -94,11 +86,3 @@ def differences(old: object, new: object, place: str = "") -> list[str]:
             lines += differences(old.get(key), new.get(key), f"{place}.{key}" if place else key)
         return lines
     return [] if old == new else [f"{place}: {old} -> {new}"]
-
-
-def _restore_momentum(network: nn.Module, optimiser: torch.optim.Optimizer, buffers: dict[str, Tensor]) -> None:
-    for name, parameter in network.named_parameters():
-        if name in buffers:
-            # The parameter's own layout in memory: the optimiser steps through both together.
-            buffer = torch.empty_like(parameter).copy_(buffers[name])
-            optimiser.state[parameter]["momentum_buffer"] = buffer

@@ -4,17 +4,18 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
-from foggy_synscapes.networks import NETWORKS, NetworkConfig
-from foggy_synscapes.networks.build import build
-from foggy_synscapes.networks.declaration import Layout
-from foggy_synscapes.networks.importers.layouts import detect, layouts
-from foggy_synscapes.networks.preprocessing import Preprocessing
+from foggy_synscapes.networks.config import NETWORKS, NetworkConfig, Preprocessing
+from foggy_synscapes.networks.layouts import Layout, detect, layouts
+from foggy_synscapes.networks.network import build
 
 WRAPPERS = ("module.", "model.", "network.")  # what wrapped modules put before every name
 COUNTER = "num_batches_tracked"  # of batch norm; files older than PyTorch 0.4.1 lack it, and nothing here reads it
+EPSILON = 1e-5  # what PyTorch's batch norm adds to the variance; MatConvNet's deviations include its own
+HEAD = "clf_conv"
 
 
 @dataclass(frozen=True)
@@ -38,23 +39,16 @@ class Imported:
 def convert(tensors: dict[str, Tensor], network: str, layout: str = "auto") -> Imported:
     """Give every tensor of a public file its name in one of our networks.
 
-    Parameters
-    ----------
-    tensors : as read from the file
-    network : the network that they are for, one of `NETWORKS`
     layout : one of `layouts()`, or "auto" to tell it by the names. "caffe" where the names are torchvision's means a
         backbone converted from Caffe: its preprocessing differs, and so does the place of the stride in a bottleneck
 
-    Raises
-    ------
-    ValueError
-        If the layout is unknown or is that of another network, or the sizes tell no architecture.
+    Raises ValueError if the layout is unknown or is that of another network, or the sizes tell no architecture.
     """
     known = layouts()
     if layout != "auto" and layout not in known:
         raise ValueError(f"layout: {layout!r}, expected auto or one of {', '.join(known)}")
     tensors = unwrapped(tensors)
-    found = detect(tensors)
+    found = detect(list(tensors))
     wanted = found if layout == "auto" else known[layout]
     if wanted is not found and (wanted.name, found.name) != ("caffe", "torchvision"):
         raise ValueError(f"layout: {wanted.name} was asked for, but the names are those of {found.name}")
@@ -113,3 +107,34 @@ def _placed(
             missing.append(ours)
     left_over = [name for name in tensors if name not in used and not re.fullmatch(layout.ignored, name)]
     return Imported(layout.name, part, config, preprocessing, placed, sorted(missing), sorted(left_over))
+
+
+def from_matconvnet(arrays: dict[str, np.ndarray]) -> dict[str, Tensor]:
+    """MatConvNet's parameters in PyTorch's terms.
+
+    arrays : as MATLAB shows them: "conv1_filter" (7, 7, 3, 64) is (rows, columns, inputs, outputs), "bn_conv1_moments"
+        (64, 2) means and deviations, "bn_conv1_mult" (64, 1); the classifier's are "filters" and "biases"
+
+    Returns float32 "conv1.weight" (64, 3, 7, 7), "bn_conv1.running_mean" (64), ...; raises ValueError for a name of
+    another kind, or a shape that is not what its name promises.
+    Source: the documentation of vl_nnconv and vl_nnbnorm.
+    """
+    found: dict[str, Tensor] = {}
+    for name, array in arrays.items():
+        values = torch.from_numpy(np.ascontiguousarray(array, dtype=np.float32))
+        # The classifier is in a group of its own and has no name there.
+        base, kind = {"filters": (HEAD, "filter"), "biases": (HEAD, "bias")}.get(name) or name.rpartition("_")[::2]
+        if kind == "filter":
+            if values.ndim != 4:
+                raise ValueError(f"{name}: {tuple(values.shape)}, expected rows, columns, inputs and outputs")
+            found[f"{base}.weight"] = values.permute(3, 2, 0, 1).contiguous()
+        elif kind == "moments":
+            if values.ndim != 2 or values.shape[1] != 2:
+                raise ValueError(f"{name}: {tuple(values.shape)}, expected a mean and a deviation for each channel")
+            found[f"{base}.running_mean"] = values[:, 0].contiguous()
+            found[f"{base}.running_var"] = (values[:, 1].double() ** 2 - EPSILON).float()
+        elif kind in ("mult", "bias"):
+            found[f"{base}.{'weight' if kind == 'mult' else 'bias'}"] = values.flatten()
+        else:
+            raise ValueError(f"{name}: not a parameter of MatConvNet's layers (filter, bias, mult, moments)")
+    return found
