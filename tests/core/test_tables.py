@@ -11,11 +11,9 @@ from hypothesis import strategies as st
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.tables import formats
-from foggy_synscapes.tables.numbers import round_half_up, signed
-from foggy_synscapes.tables.ours import long_csv, tables
+from foggy_synscapes.tables.ours import NAMES, annotated_classes, collect, long_csv, tables
 from foggy_synscapes.tables.published import load
-from foggy_synscapes.tables.results import NAMES, annotated_classes, collect, images_text
-from foggy_synscapes.tables.table import LABELS, Table, best
+from foggy_synscapes.tables.table import LABELS, Table, best, images_text, round_half_up, signed
 
 LABELLED = {
     "C": ("C", "-", ""),

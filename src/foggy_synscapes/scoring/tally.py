@@ -41,10 +41,7 @@ class Side:
     def encoding(self, asked: str | None = None, named: str | None = None) -> str:
         """Decide the encoding: what is asked for, or else what the ids tell, or else what the file names say.
 
-        Raises
-        ------
-        ValueError
-            If the ids leave it open, contradict what is asked for or named, or do not exist.
+        Raises ValueError if the ids leave it open, contradict what is asked for or named, or do not exist.
         """
         if not asked and {"trainIds", "labelIds"} <= self.alone.keys():
             raise ValueError(

@@ -32,5 +32,4 @@ class Check:
     def row(self) -> tuple[str, ...]:
         """Cells in the order of COLUMNS."""
         numbers = ("" if value is None else f"{value:.3g}" for value in (self.worst_ulp, self.worst_error))
-        texts = self.area, self.quantity, self.case, self.format, self.expected, self.found
-        return (*texts, *numbers, self.verdict)
+        return (self.area, self.quantity, self.case, self.format, self.expected, self.found, *numbers, self.verdict)

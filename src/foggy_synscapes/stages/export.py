@@ -16,7 +16,7 @@ from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.tradeoff.compare import Difference
+    from foggy_synscapes.tradeoff.graph import Difference
 
 HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
@@ -101,7 +101,7 @@ def export(
     """
     from foggy_synscapes.networks.weights import load_model
     from foggy_synscapes.tradeoff import onnx_export
-    from foggy_synscapes.tradeoff.quantize import to_int8
+    from foggy_synscapes.tradeoff.onnx_export import to_int8
 
     try:
         model = load_model(source.read_bytes())
@@ -137,9 +137,8 @@ def export(
 def _compare(model: "Model", scale: float, graph: bytes, images: list[np.ndarray]) -> "Difference":
     import torch
 
-    from foggy_synscapes.tradeoff.compare import Difference
-    from foggy_synscapes.tradeoff.graph import Graph
-    from foggy_synscapes.tradeoff.session import Session
+    from foggy_synscapes.tradeoff.graph import Difference, Graph
+    from foggy_synscapes.tradeoff.onnx_export import Session
 
     session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval()
     difference = Difference()

@@ -20,7 +20,7 @@ from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.results import FOG, METRICS, root, roots, run_file
-from foggy_synscapes.scoring.metrics_file import read_scores
+from foggy_synscapes.scoring.metrics import read_scores
 from foggy_synscapes.steps import job
 from foggy_synscapes.tradeoff import fog
 
@@ -55,7 +55,7 @@ def tradeoff(params: Params, part: str) -> None:
 
 
 def _fog(params: Params) -> None:
-    from foggy_synscapes.figures.pareto import pareto
+    from foggy_synscapes.figures.pareto import errors_front
     from foggy_synscapes.figures.style import render
     from foggy_synscapes.tables.formats import long_latex
 
@@ -72,8 +72,8 @@ def _fog(params: Params) -> None:
     caption = f"Fog arithmetic: CPU time per image ({what}) and change against float64, in levels of 8 bits."
     write_text(outputs[1], long_latex(table, caption, "table:tradeoff-fog"))
     write_text(outputs[2], fog.paragraph(scores, what) + "\n")
-    points = [(score.variant.name, score.cpu_ms, score.mean) for score in scores if score.cpu_ms is not None]
-    figure = pareto(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
+    points = [(score.variant.name, score.cpu_ms, score.mean) for score in fog.timed(scores)]
+    figure = errors_front(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
     for path in outputs[3:]:
         write_bytes(path, render(figure, path.suffix[1:]))
     run.finish()
@@ -81,10 +81,11 @@ def _fog(params: Params) -> None:
 
 
 def _networks(params: Params) -> None:
-    from foggy_synscapes.figures.front import front
+    from foggy_synscapes.figures.pareto import accuracy_front
     from foggy_synscapes.figures.style import render
+    from foggy_synscapes.networks import titles
     from foggy_synscapes.tables.formats import long_latex, long_markdown
-    from foggy_synscapes.tradeoff import networks, text, training
+    from foggy_synscapes.tradeoff import networks, training
 
     settings, seed = params.tradeoff, params.train.seeds[0]
     this = job(params, "tradeoff_networks")
@@ -103,28 +104,25 @@ def _networks(params: Params) -> None:
 
     best = networks.pareto_front(scores)
     outputs = this.outputs("csv", "tex", "md", "png", "pdf", "training_csv", "training_tex")
-    measured, ended = text.backends(scores, best), text.costs(costs)
+    measured, ended = networks.table(scores, best), training.table(costs)
     write_text(outputs[0], measured.to_csv(index=False, lineterminator="\n"))
     height, width = samples[0][0].shape[:2]
     data = "stand-in " if params.stand_in else ""
-    test_set = text.title(settings.test_set)
+    test_set = DATASETS[settings.test_set].title
     what = f"{len(samples)} {data}images of {test_set}, the first of {width} x {height} pixels"
     caption = (
         f"Ways of computing the networks of row {settings.row} (seed {seed}) on {what}: median CPU time of one thread "
         "per image; mean IoU over the annotated classes; changes from PyTorch in float32 at full scale: points of mean "
         "IoU, the class whose IoU changes most, the largest difference of logits, pixels of another class."
     )
-    ways, prices = text.printed(measured, text.BACKENDS), text.printed(ended, text.COSTS)
+    ways, prices = networks.printed(measured, networks.BACKENDS), networks.printed(ended, training.COSTS)
     write_text(outputs[1], long_latex(ways, caption, "table:tradeoff-networks"))
     duration = training.caption(settings.steps, test_set)
     parts = [caption, long_markdown(ways), networks.paragraph(scores)]
     parts += [duration, long_markdown(prices), training.paragraph(costs)]
     write_text(outputs[2], "\n\n".join(parts) + "\n")
-    points = [
-        (text.title(one.network), one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None
-    ]
-    kept = [good for one, good in zip(scores, best, strict=True) if one.cpu_ms is not None]
-    figure = front(points, kept, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
+    points = [(titles()[one.network], one.way, one.scale, one.cpu_ms, one.miou) for one in scores]
+    figure = accuracy_front(points, best, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
     for path in outputs[3:5]:
         write_bytes(path, render(figure, path.suffix[1:]))
     write_text(outputs[5], ended.to_csv(index=False, lineterminator="\n"))

@@ -1,11 +1,15 @@
-"""A table before it becomes text: a frame of cells, their bold marks, and what stands around them."""
+"""A table before it becomes text: a frame of cells, their bold marks, what stands around them; how numbers are printed.
+
+Numbers have one decimal, halves away from zero.
+"""
 
 from dataclasses import dataclass, field
+from decimal import ROUND_HALF_UP, Decimal
 
 import pandas as pd
 
-from foggy_synscapes.tables.numbers import round_half_up
-
+MISSING = "--"  # a run that does not exist
+DASH = "-"  # a class that the test set does not have
 # The paper's heads; other classes are headed by their names.
 HEADS = {"traffic light": "tr.light", "traffic sign": "tr.sign"}
 MEAN = "mean IoU"
@@ -37,6 +41,27 @@ class Table:
         return [head if isinstance(head, tuple) else ("", head) for head in self.cells.columns]
 
 
+def round_half_up(value: float | Decimal, places: int = 1) -> Decimal:
+    """Round an unrounded value once; a float counts as the decimal that it prints as, so that 0.25 gives 0.3.
+
+    >>> round_half_up(0.25), round_half_up(1.15), round_half_up(-0.04)
+    (Decimal('0.3'), Decimal('1.2'), Decimal('0.0'))
+    """
+    exact = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
+    rounded = exact.quantize(Decimal(1).scaleb(-places), ROUND_HALF_UP)
+    return rounded.copy_abs() if rounded == 0 else rounded
+
+
+def signed(value: float | Decimal, places: int = 1) -> str:
+    """A difference with its sign; zero has none.
+
+    >>> signed(1.25), signed(-2.0), signed(0.01)
+    ('+1.3', '-2.0', '0.0')
+    """
+    rounded = round_half_up(value, places)
+    return f"+{rounded}" if rounded > 0 else str(rounded)
+
+
 def rounded(scores: pd.DataFrame) -> pd.DataFrame:
     """Unrounded numbers, or exact decimals, as they are printed; NaN where there is none."""
     return scores.map(lambda value: float(round_half_up(value)), na_action="ignore").astype(float)
@@ -48,3 +73,16 @@ def best(printed: pd.DataFrame) -> pd.DataFrame:
     printed : float, NaN where there is none; the index begins with the network
     """
     return printed.eq(printed.groupby(level=0).transform("max")) & printed.gt(0)
+
+
+def images_text(published: int | None, here: int | None) -> str:
+    """A number of images as printed, and how it was scaled; empty where there is none.
+
+    >>> images_text(24500, 600), images_text(498, 498), images_text(None, 400), images_text(498, None)
+    ('24,500 -> 600 here', '498', '400 here', '498')
+    """
+    if here is None:
+        return "" if published is None else f"{published:,}"
+    if published is None:
+        return f"{here:,} here"
+    return f"{here:,}" if here == published else f"{published:,} -> {here:,} here"

@@ -7,16 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import torch
 
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.networks import NETWORKS
+from foggy_synscapes.labels import CLASSES
+from foggy_synscapes.networks import NETWORKS, titles
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
-from foggy_synscapes.tables.numbers import signed
-from foggy_synscapes.tradeoff.compare import Difference
-from foggy_synscapes.tradeoff.graph import Graph
+from foggy_synscapes.tables.table import DASH, MISSING, signed
+from foggy_synscapes.tradeoff.graph import Difference, Graph
 from foggy_synscapes.tradeoff.pareto import front
 
 THREADS = 1  # that a measurement counts the time of
@@ -24,13 +25,29 @@ EAGER, BFLOAT16, ONNX, INT8 = "PyTorch float32", "PyTorch bfloat16", "ONNX float
 WAYS = (EAGER, BFLOAT16, ONNX, INT8)
 LITTLE = 0.5  # points of mean IoU that a recommended way may lose
 
+# Columns of the CSV files, and their heads where people read them; those without a head are in the CSV file alone.
+BACKENDS = {
+    "network": "Network",
+    "scale": "Scale",
+    "way": "Way",
+    "cpu_ms": "CPU ms",
+    "times_as_fast": "Faster",
+    "miou": "mIoU",
+    "change": "Change",
+    "most_changed_class": "Most changed",
+    "largest_logit_change": "Logits",
+    "changed_percent": "Pixels (%)",
+    "pareto": "Front",
+}
+KEYS = ["network", "scale", "way"]
+
 Sample = tuple[np.ndarray, np.ndarray, str]  # image uint8 (H, W, 3), labelIds uint8 (H, W), name
 Outputs = tuple[np.ndarray, np.ndarray]  # logits float32 (C, H, W), trainIds uint8 (H, W)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Score:
-    """One way of computing one network; all but the first three are None where the machine or its packages cannot.
+    """One way of computing one network.
 
     scale : of the image's sides; cpu_ms : median per image, from 8-bit RGB to trainIds of its size, on `THREADS`
     scores : see `metrics.summarize`; largest : difference of logits from the reference; changed : pixels, in percent
@@ -39,33 +56,19 @@ class Score:
     network: str
     scale: float
     way: str
-    cpu_ms: float | None = None
-    scores: dict[str, Any] | None = field(default=None, repr=False)
-    largest: float | None = None
-    changed: float | None = None
-
-    @property
-    def ms(self) -> float:
-        """The CPU time of a way that was measured; ValueError of any other."""
-        if self.cpu_ms is None:
-            raise ValueError(f"{self.network}, {self.way}: was not measured")
-        return self.cpu_ms
-
-    @property
-    def measured(self) -> dict[str, Any]:
-        """The scores of a way that was measured; ValueError of any other."""
-        if self.scores is None:
-            raise ValueError(f"{self.network}, {self.way}: was not measured")
-        return self.scores
+    cpu_ms: float
+    scores: dict[str, Any] = field(repr=False)
+    largest: float
+    changed: float
 
     @property
     def miou(self) -> float:
         """Mean IoU over the annotated classes, in percent."""
-        return self.measured["mean_iou"]["annotated"]
+        return self.scores["mean_iou"]["annotated"]
 
     def change(self, reference: "Score") -> dict[str, float]:
         """IoU of each annotated class less that of another way, in points."""
-        pairs = zip(self.measured["classes"], reference.measured["classes"], strict=True)
+        pairs = zip(self.scores["classes"], reference.scores["classes"], strict=True)
         return {one["name"]: one["iou"] - other["iou"] for one, other in pairs if one["iou"] is not None}
 
 
@@ -80,7 +83,9 @@ class Backend:
 def measure(
     name: str, model: Model, samples: Sequence[Sample], calibration: Sequence[np.ndarray], scales: Sequence[float]
 ) -> list[Score]:
-    """Time every way at every scale on all samples, and compare it with PyTorch in float32 at full scale.
+    """Time every way that this machine can compute, at every scale, on all samples.
+
+    Each is compared with PyTorch in float32 at full scale.
 
     calibration : training images, whose ranges the 8-bit ways take
     """
@@ -89,8 +94,6 @@ def measure(
     scores = []
     for scale in scales:
         backends = backends_at(model, scale, calibration)
-        scores += [Score(name, scale, way) for way in WAYS]
-        found = dict(zip(WAYS, scores[-len(WAYS) :], strict=True))
         times: dict[str, list[float]] = {way: [] for way in backends}
         tallies, differences = {way: Tally() for way in backends}, {way: Difference() for way in backends}
         for rgb, labels, called in progress(samples, f"tradeoff {name} at {scale:g}"):
@@ -104,11 +107,10 @@ def measure(
                 started = time.thread_time()
                 run.classes(rgb)
                 times[way].append(1000 * (time.thread_time() - started))
-        for way in backends:
-            score = found[way]
-            score.cpu_ms = statistics.median(times[way])
-            score.scores = summarize(tallies[way].matrix("labelIds", "trainIds"), len(samples))
-            score.largest, score.changed = differences[way].largest, differences[way].changed_percent
+        for way, tally in tallies.items():
+            found = summarize(tally.matrix("labelIds", "trainIds"), len(samples))
+            cpu, off = statistics.median(times[way]), differences[way]
+            scores.append(Score(name, scale, way, cpu, found, off.largest, off.changed_percent))
     return scores
 
 
@@ -118,8 +120,7 @@ def backends_at(model: Model, scale: float, calibration: Sequence[np.ndarray]) -
     if torch.ops.mkldnn._is_mkldnn_bf16_supported():
         backends[BFLOAT16] = _eager(model, scale, torch.bfloat16)
     try:
-        from foggy_synscapes.tradeoff.onnx_export import to_onnx
-        from foggy_synscapes.tradeoff.quantize import to_int8
+        from foggy_synscapes.tradeoff.onnx_export import to_int8, to_onnx
 
         graph = to_onnx(model, scale)
         backends[ONNX] = _session(graph)
@@ -142,19 +143,15 @@ def _eager(model: Model, scale: float, dtype: torch.dtype) -> Backend:
 
 
 def _session(graph: bytes) -> Backend:
-    from foggy_synscapes.tradeoff.onnx_export import with_output
-    from foggy_synscapes.tradeoff.session import Session
+    from foggy_synscapes.tradeoff.onnx_export import Session, with_output
 
     whole, alone = Session(graph, THREADS), Session(with_output(graph, "classes"), THREADS)
     return Backend(lambda rgb: alone(rgb, "classes"), lambda rgb: (whole(rgb, "logits"), whole(rgb, "classes")))
 
 
 def pareto_front(scores: Sequence[Score]) -> list[bool]:
-    """Which ways none beats in time and mean IoU, over all networks; those that were not measured do not count."""
-    measured = [number for number, score in enumerate(scores) if score.cpu_ms is not None]
-    best = front([(scores[number].ms, -scores[number].miou) for number in measured])
-    kept = {number for number, good in zip(measured, best, strict=True) if good}
-    return [number in kept for number in range(len(scores))]
+    """Which ways none beats in time and mean IoU, over all networks."""
+    return front([(score.cpu_ms, -score.miou) for score in scores])
 
 
 def reference_of(scores: Sequence[Score], network: str) -> Score:
@@ -165,8 +162,8 @@ def reference_of(scores: Sequence[Score], network: str) -> Score:
 def recommended(scores: Sequence[Score], network: str) -> Score:
     """The fastest way that loses at most `LITTLE` points of mean IoU."""
     least = reference_of(scores, network).miou - LITTLE
-    good = [score for score in scores if score.network == network and score.cpu_ms is not None and score.miou >= least]
-    return min(good, key=lambda score: score.ms)
+    good = [score for score in scores if score.network == network and score.miou >= least]
+    return min(good, key=lambda score: score.cpu_ms)
 
 
 def paragraph(scores: Sequence[Score]) -> str:
@@ -175,21 +172,26 @@ def paragraph(scores: Sequence[Score]) -> str:
     for network in dict.fromkeys(score.network for score in scores):
         plain, chosen = reference_of(scores, network), recommended(scores, network)
         text = [
-            f"{NETWORKS[network].title}: PyTorch in float32 takes {plain.ms:.1f} ms of one thread per image "
+            f"{NETWORKS[network].title}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image "
             f"and reaches a mean IoU of {plain.miou:.2f} %."
         ]
         if chosen is plain:
             text.append(f"No other way is faster and within {LITTLE} points of that: take **{EAGER}**.")
         else:
             text.append(
-                f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.ms:.1f} ms, "
-                f"{plain.ms / chosen.ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
+                f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.cpu_ms:.1f} ms, "
+                f"{plain.cpu_ms / chosen.cpu_ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
                 f"{chosen.changed:.2g} % of the pixels of another class; it is the fastest that loses at most {LITTLE} "
                 "points."
             )
-        text += [_step(score, plain) for score in scores if score.network == network and score.way == INT8]
-        parts.append(" ".join(part for part in text if part))
-    missing = sorted({score.way for score in scores if score.cpu_ms is None})
+        text += [
+            f"{score.way} at scale {score.scale:g} is {plain.cpu_ms / score.cpu_ms:.1f} times as fast at "
+            f"{signed(score.miou - plain.miou, 2)} points."
+            for score in scores
+            if score.network == network and score.way == INT8
+        ]
+        parts.append(" ".join(text))
+    missing = sorted({*WAYS} - {score.way for score in scores})
     if missing:
         parts.append(
             "Not measured here, for want of the processor's instructions or of the packages of the extra `export`: "
@@ -198,10 +200,37 @@ def paragraph(scores: Sequence[Score]) -> str:
     return "\n\n".join(parts)
 
 
-def _step(score: Score, plain: Score) -> str:
-    if score.cpu_ms is None:
-        return ""
-    return (
-        f"{score.way} at scale {score.scale:g} is {plain.ms / score.ms:.1f} times as fast at "
-        f"{signed(score.miou - plain.miou, 2)} points."
-    )
+def table(scores: Sequence[Score], front: Sequence[bool]) -> pd.DataFrame:
+    """One line of text per backend, by `BACKENDS` and a column per class; changes in points of IoU."""
+    lines = [
+        _line(score, reference_of(scores, score.network)) | {"pareto": "yes" if best else ""}
+        for score, best in zip(scores, front, strict=True)
+    ]
+    found = pd.DataFrame(lines, columns=[*BACKENDS, *(f"change {name}" for name in CLASSES)]).set_index(KEYS)
+    # Every way at every scale has its line, measured or not.
+    networks, scales = (list(dict.fromkeys(found.index.get_level_values(name))) for name in KEYS[:2])
+    found = found.reindex(pd.MultiIndex.from_product([networks, scales, WAYS], names=KEYS))
+    return found.fillna({"pareto": ""}).fillna(MISSING).reset_index()
+
+
+def printed(measured: pd.DataFrame, heads: dict[str, str]) -> pd.DataFrame:
+    """The columns of a table that have heads, under these, with the names of networks that people read."""
+    return measured[list(heads)].assign(network=measured["network"].map(titles())).rename(columns=heads)
+
+
+def _line(score: Score, plain: Score) -> dict[str, str]:
+    change = score.change(plain)
+    most = max(change, key=lambda name: abs(change[name]))
+    return {
+        "network": score.network,
+        "scale": f"{score.scale:g}",
+        "way": score.way,
+        "cpu_ms": f"{score.cpu_ms:.1f}",
+        "times_as_fast": f"{plain.cpu_ms / score.cpu_ms:.2f}",
+        "miou": f"{score.miou:.2f}",
+        "change": signed(score.miou - plain.miou, 2),
+        "most_changed_class": f"{most} {signed(change[most])}" if change[most] else "",
+        "largest_logit_change": f"{score.largest:.2g}",
+        "changed_percent": f"{score.changed:.3g}",
+        **{f"change {name}": signed(change[name], 2) if name in change else DASH for name in CLASSES},
+    }
