@@ -117,6 +117,10 @@ def _read(data: bytes) -> tuple[str, NetworkConfig, Preprocessing, dict[str, Ten
     return about["part"], NetworkConfig.from_dict(about["network"]), preprocessing, tensors
 
 
+NORM_EPSILON = 1e-5
+"""What batch norm adds to variances; those of other frameworks, less what these had added, may be a little below 0."""
+
+
 def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
     """Raise ValueError, saying what does not fit, unless names, shapes and types are exactly the network's."""
     about = f"weights do not fit {network.config.name} ({network.config.backbone})"
@@ -132,6 +136,10 @@ def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
             raise ValueError(
                 f"{about}: {name} is {tensor.dtype} {tuple(tensor.shape)}, expected {wanted[name].dtype} "
                 f"{tuple(wanted[name].shape)}. Has it another width or another number of classes?"
+            )
+        if name.endswith("running_var") and not bool((tensor + NORM_EPSILON > 0).all()):
+            raise ValueError(
+                f"{about}: {name} holds {float(tensor.min()):g}, expected variances from 0 on. Is it damaged?"
             )
 
 

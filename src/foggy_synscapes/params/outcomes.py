@@ -51,6 +51,9 @@ class Stability(Section):
     """How numbers are checked at their extremes."""
 
     digits: int = setting("decimal digits of the reference arithmetic (mpmath)", ge=20, le=200)
+    searched: int = setting(
+        "looked through for fog next to a rounding step, for each camera, geometry and beta", unit="pixels", ge=64
+    )
 
 
 class Tradeoff(Section):

@@ -1,23 +1,24 @@
-"""Airlight on degenerate images, learning rate at its end, losses on extreme logits, scores at extreme counts."""
+"""Airlight on degenerate images, scores at extreme counts, sums of 8-bit products."""
 
+import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
-from functools import partial
 
 import numpy as np
 
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.scoring.iou import iou, mean_annotated
+from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.stability.check import Check
 
 
 def checks() -> Iterator[Check]:
-    """All checks that are not about number formats of fog."""
+    """All checks that are neither about the arithmetic of fog nor about training."""
     yield from _airlight()
-    yield from _learning_rate()
-    yield from _losses()
     yield from _scores()
+    yield from _large_counts()
+    yield from _eight_bits()
 
 
 def _airlight() -> Iterator[Check]:
@@ -31,55 +32,6 @@ def _airlight() -> Iterator[Check]:
         expected, found = Airlight(level, level, level, row, column), estimate(image)
         asked, got = (f"{light.levels} at {light.row}, {light.column}" for light in (expected, found))
         yield Check("airlight", "levels and pixel", name, "uint8", asked, got, expected == found)
-
-
-def _learning_rate() -> Iterator[Check]:
-    """The poly schedule at its last step: positive, real, and what exact arithmetic gives."""
-    from foggy_synscapes.training.policy import Policy
-
-    for steps in (1, 6125, 10**9):
-        policy = Policy(learning_rate=0.01, schedule="poly", power=0.9, batch=1, crop=(1, 1), scale=(1, 1))
-        found, expected = policy.rate(steps - 1, steps), 0.01 * math.exp(-0.9 * math.log(steps))
-        # 1 - step / steps is rounded at 2^-53 and is 1 / steps: the relative error grows with steps.
-        good = isinstance(found, float) and abs(found / expected - 1) <= 2.0**-52 * (steps + 4)
-        case, texts = f"last of {steps} steps", (f"{expected:.6g}", f"{found:.6g}")
-        yield Check("training", "poly rate", case, "float64", *texts, good, None, abs(found - expected))
-
-
-def _losses() -> Iterator[Check]:
-    """Cross-entropy of extreme logits, by itself and through hard example mining."""
-    import torch
-
-    from foggy_synscapes.training.losses import cross_entropy, hard_examples, pixel_losses
-
-    kinds: dict[str, Callable] = {
-        "cross-entropy": cross_entropy,
-        "hard examples": partial(hard_examples, threshold=0.7, kept=1 / 16),
-    }
-    cases = {
-        "true class at +1e4": (1e4, 0.0),
-        "true class at -1e4": (-1e4, 1e4 + math.log(18)),
-        "true class at -1e30": (-1e30, 1e30),
-        "all 19 logits equal": (0.0, math.log(19)),
-    }
-    for name, (logit, expected) in cases.items():
-        logits = torch.zeros(1, 19, 2, 2)
-        logits[:, 3] = logit
-        logits.requires_grad_(True)
-        losses, labelled, _ = pixel_losses(logits, torch.full((1, 2, 2), 3, dtype=torch.uint8), False)
-        for kind, reduce in kinds.items():
-            loss = reduce(losses, labelled)
-            (gradient,) = torch.autograd.grad(loss, logits, retain_graph=True)
-            found, finite = float(loss.detach()), bool(torch.isfinite(gradient).all())
-            off = abs(found - expected)
-            good = off <= 2.0**-22 * max(1.0, expected) and finite
-            texts = f"{expected:.6g}, gradient finite", f"{found:.6g}, gradient {'finite' if finite else 'not finite'}"
-            yield Check("training", kind, name, "float32", *texts, good, None, off)
-    nothing = torch.full((1, 2, 2), 255, dtype=torch.uint8)
-    losses, labelled, _ = pixel_losses(torch.zeros(1, 19, 2, 2), nothing, False)
-    for kind, reduce in kinds.items():
-        nought = float(reduce(losses, labelled))
-        yield Check("training", kind, "every pixel ignored", "float32", "0", f"{nought:g}", nought == 0)
 
 
 def _scores() -> Iterator[Check]:
@@ -103,3 +55,30 @@ def _scores() -> Iterator[Check]:
     yield Check("scoring", "IoU", case, "int64", *texts, off <= 2.0**-53, off * 2.0**53, off)
     total = int(matrix.sum())
     yield Check("scoring", "pixels counted", "sums above 2^53", "int64", str(2 * big), str(total), total == 2 * big)
+
+
+def _large_counts() -> Iterator[Check]:
+    """A test set of 2^53 pixels: its scores, and its counts in the file of metrics."""
+    counts = np.random.default_rng(0).integers(0, 1000, (19, 20))
+    few, many = (summarize(matrix, 1) for matrix in (counts, counts * 2**35))
+    off = max(abs(one["iou"] - other["iou"]) for one, other in zip(few["classes"], many["classes"], strict=True))
+    off = max(off, *(abs(few[key] - many[key]) for key in ("pixel_accuracy", "frequency_weighted_iou")))
+    pixels = int(counts.sum()) * 2**35
+    case = f"{pixels / 2**53:.1f} times 2^53 pixels, against 2^35 times fewer"
+    yield Check("scoring", "IoU and accuracy", case, "int64", "off by 0", f"off by {off:g}", off == 0, None, off)
+    counts[0, 0] = 2**53 + 1
+    read = json.loads(json.dumps(summarize(counts, 1)))["confusion"][0][0]
+    yield Check(
+        "scoring", "confusion", "2^53 + 1 in metrics.json", "int64", str(2**53 + 1), str(read), read == 2**53 + 1
+    )
+
+
+def _eight_bits() -> Iterator[Check]:
+    """Largest sums of products of an unsigned and a signed byte, as int8 networks add them up."""
+    for case, products, bits in (
+        ("sum over 3 x 3 pixels of 2048 channels", 2048 * 9, 32),
+        ("sum of two products on processors without VNNI", 2, 16),
+    ):
+        largest, limit = 255 * 127 * products, 2 ** (bits - 1) - 1
+        texts = f"at most {limit}", f"{largest}{'' if largest <= limit else ': saturates'}"
+        yield Check("networks", "int8", case, f"int{bits}", *texts, largest <= limit)

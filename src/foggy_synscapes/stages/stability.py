@@ -7,7 +7,7 @@ import pandas as pd
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.stability import fog_checks, other_checks
+from foggy_synscapes.stability import fog_checks, kernel_checks, other_checks
 from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
 from foggy_synscapes.steps import job
 
@@ -27,11 +27,13 @@ def stability(params: Params) -> list[Check]:
     """Write the table (CSV, LaTeX) and the plot (PNG, PDF) to results/stability, and return the checks."""
     from foggy_synscapes.figures.errors import errors
     from foggy_synscapes.figures.style import render
+    from foggy_synscapes.stability import training_checks
     from foggy_synscapes.tables.formats import long_latex
 
     run = Run(job(params, "stability"))
     digits = params.stability.digits
-    checks = [*fog_checks.checks(digits), *other_checks.checks()]
+    checks = [*fog_checks.checks(digits), *kernel_checks.checks(digits, params.stability.searched)]
+    checks += [*training_checks.checks(), *other_checks.checks()]
     outputs = run.job.outputs("csv", "tex", "png", "pdf")
     table = pd.DataFrame([check.row() for check in checks], columns=COLUMNS)
     write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
