@@ -292,7 +292,7 @@ def _stability() -> Step:
         text="Check the numbers at the extremes of their inputs.",
         command="stability",
         outputs={
-            **_files(f"{RESULTS}/stability/stability", "csv", "tex", "png", "pdf"),
+            **_files(f"{RESULTS}/stability/stability", "csv", "tex", "md", "png", "pdf"),
             "record": f"{RESULTS}/stability/run.json",
         },
         params=("stability",),

@@ -1,5 +1,6 @@
 """stability: every verdict of the table, and what the table is made of."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.build import build
 from foggy_synscapes.networks.weights import check_fit
 from foggy_synscapes.params import load
+from foggy_synscapes.stability.check import summary
 from foggy_synscapes.stability.formats import FORMATS
 from foggy_synscapes.stability.kernel_checks import CAMERAS, PAPERS, search
 from foggy_synscapes.stages.stability import stability
@@ -45,7 +47,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> list:
         patch.chdir(tmp_path_factory.mktemp("stability"))
         checks = stability(load(ROOT / "params.yaml"))
         files = {path.name: path.read_bytes() for path in Path("results/stability").iterdir()}
-        assert sorted(files) == ["run.json", *(f"stability.{ending}" for ending in ("csv", "pdf", "png", "tex"))]
+        assert sorted(files) == ["run.json", *(f"stability.{ending}" for ending in ("csv", "md", "pdf", "png", "tex"))]
         stability(load(ROOT / "params.yaml"))
         assert files == {path.name: path.read_bytes() for path in Path("results/stability").iterdir()}
     return checks
@@ -79,6 +81,17 @@ def test_float16_loses_precision_before_transmittance_is_invisible_and_float32_d
     assert found["float16"] == pytest.approx(9.70, abs=0.01)
     assert found["float32"] == found["bfloat16"] == pytest.approx(87.3, abs=0.1)
     assert found["float64"] == pytest.approx(708.4, abs=0.1)
+
+
+def test_the_page_says_first_what_does_not_hold(table: list) -> None:
+    text = summary(table)
+    failed = [check for check in table if check.verdict == "fails"]
+    assert text.startswith(f"Of {len(table)} checks {len(table) - len(failed)} hold. These do not:")
+    assert text.count("\n- ") == len(failed)
+    assert (
+        "- fog, F in bfloat16: levels that differ, inputs over the whole range; expected 0, found 431 of 34375" in text
+    )
+    assert re.search(r"By area: fog (\d+) of (\d+), kernel (\d+) of \3, ", text)
 
 
 def test_samples_next_to_a_step_are_found_by_search_and_all_decided(table: list) -> None:

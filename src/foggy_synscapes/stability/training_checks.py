@@ -148,7 +148,7 @@ def _parting() -> Iterator[Check]:
             apart = np.flatnonzero(~(np.abs(curve - plain) <= PARTED * plain))
             found = f"from step {apart[0] + 1} on" if apart.size else f"not within {STEPS} steps"
             case = f"training parts from float32 by {100 * PARTED:g} %"
-            yield Check(AREA, kind, case, name, "not", found, not apart.size)
+            yield Check(AREA, kind, case, name, "never", found, not apart.size)
 
 
 def _small_training(
