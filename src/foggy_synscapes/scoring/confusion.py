@@ -18,12 +18,14 @@ class JointHistogram:
     """Counts how often each pair of ids occurs at a pixel of two maps; keeps its buffers from one pair to the next.
 
     On maps of 2 million pixels, fresh buffers would cost as much time as the counting itself.
+
+    chunk : pixels that are counted at once, a multiple of WORD
     """
 
-    def __init__(self) -> None:
+    def __init__(self, chunk: int = CHUNK) -> None:
         self._counts = np.zeros(IDS * IDS, np.int64)
-        self._ends = np.zeros(CHUNK, bool)
-        self._other = np.empty(CHUNK, bool)
+        self._ends = np.zeros(chunk, bool)
+        self._other = np.empty(chunk, bool)
 
     def __call__(self, labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
         """Count one pair of maps; as `joint_histogram`, but the array is overwritten by the next call."""
@@ -34,8 +36,9 @@ class JointHistogram:
             raise ValueError(f"predictions: shape {predictions.shape}, but the labels have {labels.shape}")
         flat_labels, flat_predictions = labels.reshape(-1), predictions.reshape(-1)
         self._counts.fill(0)
-        for start in range(0, flat_labels.size, CHUNK):
-            self._count(flat_labels[start : start + CHUNK], flat_predictions[start : start + CHUNK])
+        for start in range(0, flat_labels.size, self._ends.size):
+            part = slice(start, start + self._ends.size)
+            self._count(flat_labels[part], flat_predictions[part])
         return self._counts.reshape(IDS, IDS)
 
     def _count(self, labels: np.ndarray, predictions: np.ndarray) -> None:
