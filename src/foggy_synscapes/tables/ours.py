@@ -1,5 +1,6 @@
 """Tables of the runs made here, beside the published scores: as the paper prints them, and as one long CSV."""
 
+import itertools
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,19 @@ from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.tables.paper import ABBREVIATIONS
 from foggy_synscapes.tables.published import mean_of_classes
-from foggy_synscapes.tables.table import DASH, HEADS, LABELS, MEAN, MISSING, ROW, Table, best, rounded, signed
+from foggy_synscapes.tables.table import (
+    DASH,
+    HEADS,
+    LABELS,
+    MEAN,
+    MISSING,
+    ROW,
+    Table,
+    best,
+    half_interval,
+    rounded,
+    signed,
+)
 
 ANNOTATED, AS_PUBLISHED = "mean IoU annotated", "mean IoU as published"
 MEANS = [ANNOTATED, AS_PUBLISHED]
@@ -114,8 +127,11 @@ def tables(test_set: str, results: Results, annotated: list[str] | None, stand_i
         return Table(f"{test_set}_{kind}", f"{caption} {ABBREVIATIONS}", results.labels, cells, bold, **more)
 
     cells, numbers = _ours(results)
+    runs = results.made.sum(axis=1)
+    # Of one seed there is no interval.
+    margins = half_interval(results.wide("std"), runs) if runs.max() > 1 else numbers * 0
     caption = f"Results on {data} of the runs made here: IoU in percent."
-    ours = table("ours", caption, cells.rename(columns=heads), best(numbers), notes=notes)
+    ours = table("ours", caption, cells.rename(columns=heads), best(numbers, margins), notes=notes)
     if published.isna().all(axis=None):
         return [ours]
     notes = notes + (other if annotated is not None and known != set(annotated) else [])
@@ -126,12 +142,13 @@ def tables(test_set: str, results: Results, annotated: list[str] | None, stand_i
         "difference": differences.replace(DASH, MISSING),
     }
     values = {"paper": paper, "ours": numbers, "difference": paper * np.nan}
-    shown, marks = (
+    widths = {"paper": paper * 0, "ours": margins, "difference": paper * np.nan}
+    shown, marks, intervals = (
         pd.DataFrame({(text, head): beside[head][name] for name, text in conventions.items() for head in beside})
-        for beside in (texts, values)
+        for beside in (texts, values, widths)
     )
     caption = f"Mean IoU on {data} in percent: the paper, the runs made here, and their difference."
-    means = table("means", caption, shown, best(marks), notes=notes, upright=True)
+    means = table("means", caption, shown, best(marks, intervals), notes=notes, upright=True)
     caption = f"Difference on {data}, the runs made here minus the paper: IoU in points of percent."
     none = pd.DataFrame(False, differences.index, differences.columns)
     return [ours, means, table("difference", caption, differences.rename(columns=heads), none, notes=notes)]
@@ -187,7 +204,7 @@ def _notes(annotated: list[str] | None, results: Results, stand_in: bool) -> lis
             "19 as published: absent classes count as 0."
         )
     if len(seeds) > 1:
-        notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation.")
+        notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation. {_order(results)}")
     if not made.any(axis=1).all():
         notes.append(f"{MISSING}: not run.")
     partial = made[made.any(axis=1) & ~made.all(axis=1)]
@@ -195,3 +212,18 @@ def _notes(annotated: list[str] | None, results: Results, stand_in: bool) -> lis
         names = [f"{' '.join(key)} ({count} of {len(seeds)})" for key, count in partial.sum(axis=1).items()]
         notes.append(f"Fewer seeds than asked for: {', '.join(names)}.")
     return notes
+
+
+def _order(results: Results) -> str:
+    """How far the order of the rows depends on the seed, in words."""
+    means = results.scores.xs(ANNOTATED, level="score")[list(results.made)]
+    pairs, changed = 0, 0
+    for _, rows in means.groupby(level=0):
+        for one, other in itertools.combinations(rows.to_numpy(), 2):
+            differences = (one - other)[~np.isnan(one - other)]
+            pairs += differences.size > 1
+            changed += differences.size > 1 and differences.min() < 0 < differences.max()
+    bold = "Bold: not worse than the best beyond the 95 % intervals of their means."
+    return (
+        f"{bold} {changed} of {pairs} pairs of rows of a network change their order with the seed." if pairs else bold
+    )

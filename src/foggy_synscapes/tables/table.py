@@ -3,6 +3,7 @@
 Numbers have one decimal, halves away from zero.
 """
 
+import functools
 from dataclasses import dataclass, field
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -67,12 +68,44 @@ def rounded(scores: pd.DataFrame) -> pd.DataFrame:
     return scores.map(lambda value: float(round_half_up(value)), na_action="ignore").astype(float)
 
 
-def best(printed: pd.DataFrame) -> pd.DataFrame:
+def best(printed: pd.DataFrame, margins: pd.DataFrame | None = None) -> pd.DataFrame:
     """Which of a network's printed numbers are bold: the largest of each column, with all its ties, unless it is zero.
 
     printed : float, NaN where there is none; the index begins with the network
+    margins : half the width of each number's interval, NaN where it is not known. Numbers whose interval overlaps that
+        of the largest are ties, too: rows are not ranked by what chance decides
     """
-    return printed.eq(printed.groupby(level=0).transform("max")) & printed.gt(0)
+    networks = printed.groupby(level=0)
+    if margins is None:
+        return printed.eq(networks.transform("max")) & printed.gt(0)
+    # What has no interval of its own is as uncertain as the most uncertain one.
+    margins = margins.fillna(margins.groupby(level=0).transform("max")).fillna(0)
+    lowest = (printed - margins).where(printed.eq(networks.transform("max"))).groupby(level=0).transform("min")
+    return (printed + margins).ge(lowest) & printed.gt(0)
+
+
+def half_interval(std: pd.DataFrame, count: pd.Series, share: float = 0.95) -> pd.DataFrame:
+    """Half the width of the interval of a mean (Student's t): so large a share of such intervals holds the true mean.
+
+    std : standard deviation (n - 1) of the values that were averaged; count : how many they are, by row
+
+    >>> frame = pd.DataFrame({"road": [1.0, 1.0]})
+    >>> half_interval(frame, pd.Series([3, 10]))["road"].round(3).tolist()
+    [2.484, 0.715]
+    """
+    factors = count.map(lambda n: _student(n - 1, share) / n**0.5 if n > 1 else float("nan"))
+    return std.mul(factors, axis=0)
+
+
+@functools.cache
+def _student(freedom: int, share: float) -> float:
+    """Quantile of Student's distribution, two-sided."""
+    import mpmath
+
+    def outside(t: float) -> float:
+        return mpmath.betainc(freedom / 2, 0.5, 0, freedom / (freedom + t * t), regularized=True) - (1 - share)
+
+    return float(mpmath.findroot(outside, (0.1, 1e3), solver="bisect", maxsteps=200, tol=1e-20))
 
 
 def images_text(published: int | None, here: int | None) -> str:
