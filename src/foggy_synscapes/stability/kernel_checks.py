@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mpmath
 import numpy as np
@@ -33,7 +33,7 @@ AREA = "kernel"
 def _camera(degrees: float, **moved: float) -> Camera:
     """A camera of a horizontal field of view."""
     focal = WIDE / 2 / math.tan(math.radians(degrees) / 2)
-    return Camera(**({"fx": focal, "fy": focal, "u0": WIDE / 2, "v0": HIGH / 2, "resx": WIDE, "resy": HIGH} | moved))
+    return replace(Camera(focal, focal, WIDE / 2, HIGH / 2, WIDE, HIGH), **moved)  # type: ignore[arg-type]  # sizes stay
 
 
 CAMERAS = {

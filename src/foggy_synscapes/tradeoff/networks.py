@@ -2,8 +2,9 @@
 
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,18 @@ from foggy_synscapes.io.progress import progress
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS, titles
 from foggy_synscapes.networks.weights import Model
+from foggy_synscapes.scoring.bootstrap import in_words, interval
+from foggy_synscapes.scoring.confusion import fold, joint_histogram
+from foggy_synscapes.scoring.encoding import class_table
 from foggy_synscapes.scoring.metrics import summarize
-from foggy_synscapes.scoring.tally import Tally
 from foggy_synscapes.tables.table import DASH, MISSING, signed
 from foggy_synscapes.tradeoff.graph import Difference, Graph
 from foggy_synscapes.tradeoff.pareto import front
 
+NO_INTERVAL = "Of one image there is no interval, so nothing is recommended"
 THREADS = 1  # that a measurement counts the time of
 EAGER, BFLOAT16, ONNX, INT8 = "PyTorch float32", "PyTorch bfloat16", "ONNX float32", "ONNX int8"
 WAYS = (EAGER, BFLOAT16, ONNX, INT8)
-LITTLE = 0.5  # points of mean IoU that a recommended way may lose
 
 # Columns of the CSV files, and their heads where people read them; those without a head are in the CSV file alone.
 BACKENDS = {
@@ -34,6 +37,8 @@ BACKENDS = {
     "times_as_fast": "Faster",
     "miou": "mIoU",
     "change": "Change",
+    "low": "From",
+    "high": "To",
     "most_changed_class": "Most changed",
     "largest_logit_change": "Logits",
     "changed_percent": "Pixels (%)",
@@ -41,7 +46,7 @@ BACKENDS = {
 }
 KEYS = ["network", "scale", "way"]
 
-Sample = tuple[np.ndarray, np.ndarray, str]  # image uint8 (H, W, 3), labelIds uint8 (H, W), name
+Sample = tuple[np.ndarray, np.ndarray]  # image uint8 (H, W, 3), labelIds uint8 (H, W)
 Outputs = tuple[np.ndarray, np.ndarray]  # logits float32 (C, H, W), trainIds uint8 (H, W)
 
 
@@ -50,21 +55,31 @@ class Score:
     """One way of computing one network.
 
     scale : of the image's sides; cpu_ms : median per image, from 8-bit RGB to trainIds of its size, on `THREADS`
-    scores : see `metrics.summarize`; largest : difference of logits from the reference; changed : pixels, in percent
+    matrices : int64 (N, 19, 20), the confusion matrix of each image
+    largest : difference of logits from the reference; changed : pixels, in percent
     """
 
     network: str
     scale: float
     way: str
     cpu_ms: float
-    scores: dict[str, Any] = field(repr=False)
+    matrices: np.ndarray = field(repr=False)
     largest: float
     changed: float
+
+    @cached_property
+    def scores(self) -> dict[str, Any]:
+        """Of all images together, see `metrics.summarize`."""
+        return summarize(self.matrices.sum(axis=0), len(self.matrices))
 
     @property
     def miou(self) -> float:
         """Mean IoU over the annotated classes, in percent."""
         return self.scores["mean_iou"]["annotated"]
+
+    def ends(self, reference: "Score") -> tuple[float, float] | None:
+        """The 95 % interval of its mean IoU less that of another way, in points; None of a single image."""
+        return interval(reference.matrices, self.matrices)
 
     def change(self, reference: "Score") -> dict[str, float]:
         """IoU of each annotated class less that of another way, in points."""
@@ -95,22 +110,23 @@ def measure(
     for scale in scales:
         backends = backends_at(model, scale, calibration)
         times: dict[str, list[float]] = {way: [] for way in backends}
-        tallies, differences = {way: Tally() for way in backends}, {way: Difference() for way in backends}
-        for rgb, labels, called in progress(samples, f"tradeoff {name} at {scale:g}"):
+        matrices: dict[str, list[np.ndarray]] = {way: [] for way in backends}
+        differences = {way: Difference() for way in backends}
+        for rgb, labels in progress(samples, f"tradeoff {name} at {scale:g}"):
             logits = reference.outputs(rgb)[0]
             for way, run in backends.items():
                 # The first call finds its memory; the second is timed.
                 own, classes = run.outputs(rgb)
                 differences[way].add(logits, own, classes)
-                tallies[way].add(labels, classes, called, called)
+                counts = joint_histogram(labels, classes)
+                matrices[way].append(fold(counts, class_table("labelIds"), class_table("trainIds"), len(CLASSES)))
                 run.classes(rgb)
                 started = time.thread_time()
                 run.classes(rgb)
                 times[way].append(1000 * (time.thread_time() - started))
-        for way, tally in tallies.items():
-            found = summarize(tally.matrix("labelIds", "trainIds"), len(samples))
-            cpu, off = statistics.median(times[way]), differences[way]
-            scores.append(Score(name, scale, way, cpu, found, off.largest, off.changed_percent))
+        for way, off in differences.items():
+            cpu, own = statistics.median(times[way]), np.stack(matrices[way])
+            scores.append(Score(name, scale, way, cpu, own, off.largest, off.changed_percent))
     return scores
 
 
@@ -154,39 +170,66 @@ def pareto_front(scores: Sequence[Score]) -> list[bool]:
     return front([(score.cpu_ms, -score.miou) for score in scores])
 
 
+def _change(score: Score, plain: Score) -> tuple[float, tuple[float, float] | None]:
+    return score.miou - plain.miou, score.ends(plain)
+
+
 def reference_of(scores: Sequence[Score], network: str) -> Score:
     """PyTorch in float32 at full scale."""
     return next(score for score in scores if (score.network, score.scale, score.way) == (network, 1.0, EAGER))
 
 
-def recommended(scores: Sequence[Score], network: str) -> Score:
-    """The fastest way that loses at most `LITTLE` points of mean IoU."""
-    least = reference_of(scores, network).miou - LITTLE
-    good = [score for score in scores if score.network == network and score.miou >= least]
+def recommended(scores: Sequence[Score], network: str, tolerance: float) -> Score:
+    """The fastest way that surely loses no more points of mean IoU than are tolerated: by its interval, not its value.
+
+    Without an interval that is the reference.
+    """
+    plain = reference_of(scores, network)
+    good = [plain]
+    for score in scores:
+        ends = score.ends(plain)
+        if score.network == network and ends is not None and ends[0] >= -tolerance:
+            good.append(score)
     return min(good, key=lambda score: score.cpu_ms)
 
 
-def paragraph(scores: Sequence[Score]) -> str:
-    """Which way to take for each network and why, in words that follow from the figures."""
+def affordable(models: Mapping[str, Model], image: np.ndarray, scales: Sequence[float], seconds: float) -> int:
+    """How many images can be measured in so many seconds, by the time that PyTorch in float32 takes for one."""
+    torch.set_num_threads(THREADS)
+    each = 0.0
+    for model in models.values():
+        backend = _eager(model, 1.0, torch.float32)
+        backend.classes(image)
+        started = time.monotonic()
+        backend.classes(image)
+        # The reference once, and each way three times: none takes longer than PyTorch in float32.
+        each += (time.monotonic() - started) * sum(1 + 3 * len(WAYS) * scale**2 for scale in scales)
+    return int(seconds / each)
+
+
+def paragraph(scores: Sequence[Score], tolerance: float) -> str:
+    """Which way to take for each network and why, in words that follow from the figures and their intervals."""
     parts = []
     for network in dict.fromkeys(score.network for score in scores):
-        plain, chosen = reference_of(scores, network), recommended(scores, network)
+        plain, chosen = reference_of(scores, network), recommended(scores, network, tolerance)
         text = [
             f"{NETWORKS[network].title}: PyTorch in float32 takes {plain.cpu_ms:.1f} ms of one thread per image "
             f"and reaches a mean IoU of {plain.miou:.2f} %."
         ]
         if chosen is plain:
-            text.append(f"No other way is faster and within {LITTLE} points of that: take **{EAGER}**.")
+            known = plain.ends(plain) is not None
+            why = f"No other way is faster and surely within {tolerance:g} points of that" if known else NO_INTERVAL
+            text.append(f"{why}: take **{EAGER}**.")
         else:
             text.append(
                 f"Take **{chosen.way}** at scale {chosen.scale:g}: {chosen.cpu_ms:.1f} ms, "
                 f"{plain.cpu_ms / chosen.cpu_ms:.1f} times as fast, {signed(chosen.miou - plain.miou, 2)} points, "
-                f"{chosen.changed:.2g} % of the pixels of another class; it is the fastest that loses at most {LITTLE} "
-                "points."
+                f"{chosen.changed:.2g} % of the pixels of another class; {in_words(*_change(chosen, plain))}. It is "
+                f"the fastest that surely loses at most {tolerance:g} points."
             )
         text += [
             f"{score.way} at scale {score.scale:g} is {plain.cpu_ms / score.cpu_ms:.1f} times as fast at "
-            f"{signed(score.miou - plain.miou, 2)} points."
+            f"{signed(score.miou - plain.miou, 2)} points: {in_words(*_change(score, plain))}."
             for score in scores
             if score.network == network and score.way == INT8
         ]
@@ -229,6 +272,7 @@ def _line(score: Score, plain: Score) -> dict[str, str]:
         "times_as_fast": f"{plain.cpu_ms / score.cpu_ms:.2f}",
         "miou": f"{score.miou:.2f}",
         "change": signed(score.miou - plain.miou, 2),
+        **dict(zip(("low", "high"), (signed(end, 2) for end in score.ends(plain) or ()), strict=False)),
         "most_changed_class": f"{most} {signed(change[most])}" if change[most] else "",
         "largest_logit_change": f"{score.largest:.2g}",
         "changed_percent": f"{score.changed:.3g}",

@@ -101,7 +101,7 @@ def paragraph(costs: list[Cost]) -> str:
         bought = (
             "one of them was not scored"
             if less.miou is None or more.miou is None
-            else f"mean IoU changes by {signed(more.miou - less.miou, 2)} points"
+            else f"mean IoU changes by {signed(more.miou - less.miou, 2)} points, of one seed and without an interval"
         )
         text.append(
             f"{NETWORKS[network].title}: {more.row} ({more.images:,} images) takes "
