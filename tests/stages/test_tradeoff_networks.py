@@ -177,13 +177,20 @@ def test_table_plot_and_text_are_written(project: Path, capsys: pytest.CaptureFi
     assert main(["verify", "results/tradeoff"]) == 0
 
 
+@pytest.fixture
+def quick(project: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The same where ONNX is not installed: exporting takes most of the time."""
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    return project
+
+
 def change(**values: object) -> None:
     document = yaml.safe_load(Path("params.yaml").read_text())
     document["tradeoff"] |= values
     Path("params.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
 
 
-def test_no_more_images_are_measured_than_are_allowed_for(project: Path) -> None:
+def test_no_more_images_are_measured_than_are_allowed_for(quick: Path) -> None:
     change(images=1)
     assert main(["tradeoff", "--part", "networks"]) == 0
     text = Path("results/tradeoff/networks.md").read_text()
@@ -191,13 +198,13 @@ def test_no_more_images_are_measured_than_are_allowed_for(project: Path) -> None
     assert "Of one image there is no interval, so nothing is recommended" in text
 
 
-def test_a_time_that_is_too_short_for_an_image_is_named(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_time_that_is_too_short_for_an_image_is_named(quick: Path, capsys: pytest.CaptureFixture[str]) -> None:
     change(minutes=1e-9)
     assert main(["tradeoff", "--part", "networks"]) == 1
     assert "tradeoff.minutes: 1e-09 is too short for a single image" in capsys.readouterr().err
 
 
-def test_a_row_without_a_length_of_its_own_is_timed_by_the_baselines(project: Path) -> None:
+def test_a_row_without_a_length_of_its_own_is_timed_by_the_baselines(quick: Path) -> None:
     document = yaml.safe_load(Path("params.yaml").read_text())
     train = document["train"]
     train["from_weights"].append("FS-24500")

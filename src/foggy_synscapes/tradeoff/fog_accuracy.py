@@ -13,12 +13,10 @@ import torch
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.io.images import encode_png, read_rgb
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import titles
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.scoring.bootstrap import in_words, interval, mean_iou
-from foggy_synscapes.scoring.confusion import fold, joint_histogram
-from foggy_synscapes.scoring.encoding import class_table
+from foggy_synscapes.scoring.tally import image_matrix
 from foggy_synscapes.tables.table import MISSING, signed
 from foggy_synscapes.tradeoff.fog import OURS, Frame
 from foggy_synscapes.tradeoff.fog_variants import variants
@@ -139,8 +137,11 @@ def measure(
             reference = images if reference is None else reference
             same = way.name != REFERENCE and np.array_equal(images, reference)
             for name, model in models.items():
-                found = counts[name, REFERENCE][-1] if same else _counted(model, images, truth)
-                counts[name, way.name].append(found)
+                # A frame at all betas is one image.
+                found = (
+                    counts[name, REFERENCE][-1] if same else sum(image_matrix(truth, model.predict(x)) for x in images)
+                )
+                counts[name, way.name].append(np.asarray(found))
         done += 1
     scores = []
     for (name, shortcut), matrices in counts.items():
@@ -150,12 +151,6 @@ def measure(
         way = next(way for way in ways if way.name == shortcut)
         scores.append(Score(name, way, size, miou, miou - before, interval(plain, own)))
     return scores, done
-
-
-def _counted(model: Model, images: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """Confusion matrix of one frame at all betas, int64 (19, 20)."""
-    counts = sum(joint_histogram(truth, model.predict(image)) for image in images)
-    return fold(np.asarray(counts), class_table("labelIds"), class_table("trainIds"), len(CLASSES))
 
 
 def table(scores: Sequence[Score]) -> pd.DataFrame:

@@ -16,9 +16,8 @@ from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS, titles
 from foggy_synscapes.networks.weights import Model
 from foggy_synscapes.scoring.bootstrap import in_words, interval
-from foggy_synscapes.scoring.confusion import fold, joint_histogram
-from foggy_synscapes.scoring.encoding import class_table
 from foggy_synscapes.scoring.metrics import summarize
+from foggy_synscapes.scoring.tally import image_matrix
 from foggy_synscapes.tables.table import DASH, MISSING, signed
 from foggy_synscapes.tradeoff.graph import Difference, Graph
 from foggy_synscapes.tradeoff.pareto import front
@@ -118,8 +117,7 @@ def measure(
                 # The first call finds its memory; the second is timed.
                 own, classes = run.outputs(rgb)
                 differences[way].add(logits, own, classes)
-                counts = joint_histogram(labels, classes)
-                matrices[way].append(fold(counts, class_table("labelIds"), class_table("trainIds"), len(CLASSES)))
+                matrices[way].append(image_matrix(labels, classes))
                 run.classes(rgb)
                 started = time.thread_time()
                 run.classes(rgb)
