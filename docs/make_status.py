@@ -12,8 +12,8 @@ from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.tables import read_csv
-from foggy_synscapes.tables.numbers import round_half_up
 from foggy_synscapes.tables.published import TEST_SETS
+from foggy_synscapes.tables.table import round_half_up
 
 START, END = "<!-- status -->", "<!-- end of status -->"
 TITLES = {name: DATASETS[name].title for name in TEST_SETS}

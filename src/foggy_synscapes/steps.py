@@ -48,6 +48,7 @@ NETWORK, SEED, FOG_MODEL = "train.networks", "train.seeds", "fog.model"
 ROWS = ("train.from_weights", "train.from_baseline")
 RUNS = {"network": (NETWORK,), "row": ROWS, "seed": (SEED,)}
 AIRLIGHT_KEYS = ("fog.frames", "fog.blue_airlight", "scenes.shard_frames")
+CAPS = ("images", "minutes")
 DEVICE_KEYS = ("device", "gpu")
 TRAIN_KEYS = DEVICE_KEYS + tuple(
     f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "compile", "curve")
@@ -301,7 +302,7 @@ def _stability() -> Step:
         text="Check the numbers at the extremes of their inputs.",
         command="stability",
         outputs={
-            **_files(f"{RESULTS}/stability/stability", "csv", "tex", "png", "pdf"),
+            **_files(f"{RESULTS}/stability/stability", "csv", "tex", "md", "png", "pdf"),
             "record": f"{RESULTS}/stability/run.json",
         },
         params=("stability",),
@@ -329,7 +330,7 @@ def _tradeoff_fog() -> Step:
 def _tradeoff_networks() -> Step:
     made, row, first = f"{RESULTS}/tradeoff", "tradeoff.row", {"network": (NETWORK,), "seed": (f"{SEED}.0",)}
     test_set = {"test_set": ("tradeoff.test_set",)}
-    keys = tuple(f"tradeoff.{key}" for key in ("row", "test_set", "scales", "calibration", "steps"))
+    keys = tuple(f"tradeoff.{key}" for key in ("row", "test_set", "scales", "calibration", "steps", *CAPS, "tolerance"))
     return Step(
         name="tradeoff_networks",
         word="tradeoff",
@@ -360,6 +361,33 @@ def _tradeoff_networks() -> Step:
     )
 
 
+def _tradeoff_accuracy() -> Step:
+    made = f"{RESULTS}/tradeoff/accuracy"
+    models = {"network": (NETWORK,), "row": ("tradeoff.row",), "seed": (f"{SEED}.0",)}
+    return Step(
+        name="tradeoff_accuracy",
+        word="tradeoff",
+        text="Score the trained networks on fog that is made in cheaper and rougher ways.",
+        command="tradeoff --part accuracy",
+        inputs={
+            **_sources(["frames"]),
+            "models": Each(f"{RESULTS}/train", f"{RUN}/model.safetensors", models),
+        },
+        outputs={**_files(made, "csv", "tex", "md"), "record": f"{made}.run.json"},
+        params=(
+            *(f"tradeoff.{key}" for key in ("row", "betas", *CAPS)),
+            "scenes.roots",
+            "scenes.shards",
+            NETWORK,
+            SEED,
+        ),
+        code=(f"networks.*{NETWORK}",),
+        megabytes=8_000,
+        minutes=120,
+        default=False,
+    )
+
+
 def steps() -> list[Step]:
     """All kinds of jobs, in their order."""
     return _steps(tuple(plugin_files()))
@@ -380,6 +408,7 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         _stability(),
         _tradeoff_fog(),
         _tradeoff_networks(),
+        _tradeoff_accuracy(),
     ]
 
 

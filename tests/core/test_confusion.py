@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from foggy_synscapes.scoring import confusion
-from foggy_synscapes.scoring.confusion import UNKNOWN, VOID, confusion_matrix, fold, joint_histogram
+from foggy_synscapes.scoring.confusion import UNKNOWN, VOID, JointHistogram, confusion_matrix, fold, joint_histogram
 from foggy_synscapes.scoring.tally import Tally
 
 SIDES = st.tuples(st.integers(1, 12), st.integers(1, 12))
@@ -45,10 +44,7 @@ def test_counts_are_those_of_a_plain_loop(pair):
 @given(map_pairs(top=2), st.integers(1, 9))
 @settings(max_examples=50)
 def test_chunk_size_does_not_matter(pair, chunk):
-    whole = joint_histogram(*pair)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(confusion, "CHUNK", 8 * chunk)
-        assert np.array_equal(joint_histogram(*pair), whole)
+    assert np.array_equal(JointHistogram(8 * chunk)(*pair), joint_histogram(*pair))
 
 
 @pytest.mark.parametrize("runs", [1, 3, 7, 8, 9, 64, 1000])

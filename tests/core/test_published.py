@@ -13,10 +13,9 @@ import pytest
 
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.tables import formats
-from foggy_synscapes.tables.numbers import round_half_up
 from foggy_synscapes.tables.paper import notes, published_csv, published_table
 from foggy_synscapes.tables.published import TEST_SETS, load, mean_of_classes
-from foggy_synscapes.tables.table import MEAN
+from foggy_synscapes.tables.table import MEAN, round_half_up
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 # Of `cells()` below, for both tables: a change of any label, number or bold mark changes it.

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from foggy_synscapes.figures.scores import class_change, confusion
+from foggy_synscapes.figures.class_change import class_change
+from foggy_synscapes.figures.confusion import confusion
 from foggy_synscapes.figures.style import render
 from foggy_synscapes.labels import CLASSES
 
 CHANGES = {
-    "RefineNet": {"FC": [1.0, None, -2.0, 0.5], "FS": [0.0, None, 4.0, 1.5]},
-    "BiSeNet": {"FS": [3.0, None, 1.0, 2.0]},
+    "RefineNet": {"FC": np.array([1.0, np.nan, -2.0, 0.5]), "FS": np.array([0.0, np.nan, 4.0, 1.5])},
+    "BiSeNet": {"FS": np.array([3.0, np.nan, 1.0, 2.0])},
 }
 NAMES = ("road", "train", "bicycle", "mean")
 MATRIX = np.hstack([np.diag([10, 0, 30]), [[10], [0], [0]]])

@@ -11,11 +11,9 @@ from hypothesis import strategies as st
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.tables import formats
-from foggy_synscapes.tables.numbers import round_half_up, signed
-from foggy_synscapes.tables.ours import long_csv, tables
+from foggy_synscapes.tables.ours import NAMES, annotated_classes, collect, long_csv, tables
 from foggy_synscapes.tables.published import load
-from foggy_synscapes.tables.results import NAMES, annotated_classes, collect, images_text
-from foggy_synscapes.tables.table import LABELS, Table, best
+from foggy_synscapes.tables.table import LABELS, Table, best, images_text, round_half_up, signed
 
 LABELLED = {
     "C": ("C", "-", ""),
@@ -187,6 +185,30 @@ def test_mean_and_deviation_over_seeds():
     first = lines_of(results).iloc[0]
     assert list(first[["seed_0", "seed_1", "seed_2"]]) == ["40.0", "60.0", "--"]
     assert float(first["std"]) == pytest.approx(200**0.5)
+
+
+def test_rows_whose_intervals_overlap_are_not_ranked():
+    """Half a width is 4.30 deviations / sqrt(3): C and FS overlap, the control lies 30 points below both."""
+    runs = {
+        ("bisenet", "C"): [scores(0.60), scores(0.62), scores(0.64)],
+        ("bisenet", "FS-24500"): [scores(0.61), scores(0.60), scores(0.62)],
+        ("bisenet", "C-control"): [scores(0.30), scores(0.31), scores(0.32)],
+    }
+    ours, means, _ = tables("foggy_zurich", results_of(runs, seeds=3), list(CLASSES), stand_in=False)
+    for marks in (ours.bold.loc["BiSeNet", "road"], means.bold.loc["BiSeNet", ("19 annotated", "ours")]):
+        assert marks.to_dict() == {"C": True, "FS-24500": True, "C-control": False}
+    (note,) = [note for note in ours.notes if "Mean over seeds" in note]
+    assert note.endswith("1 of 3 pairs of rows of a network change their order with the seed.")
+    runs["bisenet", "FS-24500"] = [scores(0.50)] * 3
+    apart = tables("foggy_zurich", results_of(runs, seeds=3), list(CLASSES), stand_in=False)[0]
+    assert apart.bold.loc["BiSeNet", "road"].to_dict() == {"C": True, "FS-24500": False, "C-control": False}
+
+
+def test_a_row_of_one_seed_is_as_uncertain_as_the_most_uncertain_one():
+    printed = pd.DataFrame({"road": [60.0, 55.0, 20.0]}, index=["N"] * 3)
+    margins = pd.DataFrame({"road": [4.0, np.nan, 2.0]}, index=["N"] * 3)
+    assert best(printed, margins)["road"].tolist() == [True, True, False]
+    assert best(printed, margins * 0)["road"].tolist() == best(printed)["road"].tolist() == [True, False, False]
 
 
 def test_one_seed_has_no_deviation():

@@ -17,9 +17,7 @@ from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing, dump
 from foggy_synscapes.tradeoff.graph import Graph, with_paired_stems
-from foggy_synscapes.tradeoff.onnx_export import OPSET, to_onnx, with_output
-from foggy_synscapes.tradeoff.quantize import to_int8
-from foggy_synscapes.tradeoff.session import Session
+from foggy_synscapes.tradeoff.onnx_export import OPSET, Session, to_int8, to_onnx, with_output
 
 ROOT = Path(__file__).resolve().parents[2]
 SCALE = 0.75

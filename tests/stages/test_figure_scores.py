@@ -8,7 +8,7 @@ import pytest
 from records import vouch
 
 from foggy_synscapes.cli import main
-from foggy_synscapes.figures.histogram import cut_histogram
+from foggy_synscapes.figures.sky_contrast import cut_histogram
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.tables import write_csv

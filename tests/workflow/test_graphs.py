@@ -124,7 +124,7 @@ COUNTED = {
     "evaluate": "datasets io labels networks scoring stages",
     "tables": "datasets io labels networks scoring stages tables",
     "figures": "camera datasets figures fog io jit labels networks scoring stages training",
-    "stability": "camera figures fog io jit networks scoring stability stages tables training",
+    "stability": "camera datasets figures fog io jit labels networks scoring stability stages tables training",
 }
 
 

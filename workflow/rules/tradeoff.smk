@@ -5,9 +5,9 @@ rule tradeoff:
 
 
 def shown(part):
-    """A figure's place in the report."""
+    """The place in the report of a part's figure, or of its text where it has none."""
     return {
-        "png": {
+        "md" if part == "accuracy" else "png": {
             "caption": f"../report/tradeoff_{part}.rst",
             "category": "4. Speed against accuracy",
             "labels": {"of": part},

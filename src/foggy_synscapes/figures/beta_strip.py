@@ -1,31 +1,20 @@
 """Two frames in clear weather and at each beta."""
 
-from typing import TYPE_CHECKING
-
-from foggy_synscapes.figures.figure import FRAMES, Figure
+from foggy_synscapes.figures.figure import FRAMES, Drawing, Figure, Sources
+from foggy_synscapes.figures.panels import grid
 from foggy_synscapes.fog.optics import meteorological_optical_range
 from foggy_synscapes.io.progress import progress
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
-
-    from foggy_synscapes.figures.sources import Sources
 
 COUNT = 2
 
 
-def draw(sources: "Sources") -> "Drawing":
+def draw(sources: Sources) -> Drawing:
     """As in the paper's figure 3."""
-    from foggy_synscapes.figures.panels import grid
-
     params = sources.params
     betas = params.figures.betas
     heads = [f"β = {beta} / m, visibility {meteorological_optical_range(float(beta)):.0f} m" for beta in betas]
-    lines = [
-        [frame.clear, *frame.foggy(betas, params.fog)]
-        for frame in progress(sources.frames(COUNT), "figures beta_strip", unit="frame")
-    ]
-    return grid(lines, ["clear", *heads])
+    frames = progress(sources.frames(COUNT), "figures beta_strip", unit="frame")
+    return grid([[frame.clear, *frame.foggy(betas, params.fog)] for frame in frames], ["clear", *heads])
 
 
 FIGURE = Figure(

@@ -1,19 +1,11 @@
 """Foggy Synscapes above Foggy Cityscapes at the same beta."""
 
-from typing import TYPE_CHECKING
-
-from foggy_synscapes.figures.figure import FRAMES, REFINED, Figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
-
-    from foggy_synscapes.figures.sources import Sources
+from foggy_synscapes.figures.figure import FRAMES, REFINED, Drawing, Figure, Sources
+from foggy_synscapes.figures.panels import grid
 
 
-def draw(sources: "Sources") -> "Drawing":
+def draw(sources: Sources) -> Drawing:
     """As in the paper's figure 4."""
-    from foggy_synscapes.figures.panels import grid
-
     params = sources.params
     beta, count = params.figures.comparison_beta, params.figures.images
     above = [frame.foggy([beta], params.fog)[0] for frame in sources.frames(count)]

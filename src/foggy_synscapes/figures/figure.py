@@ -2,7 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
+
+    from foggy_synscapes.figures.sources import Sources
+else:
+    Drawing = Sources = Any  # names for the signatures of figures, which import neither to be declared
 
 FRAMES = "frames"
 """The kept frames of Synscapes: its indexes and the filter's list."""
@@ -34,7 +41,7 @@ class Figure:
 
     text : what it shows, in a line
     inputs : what it is drawn from, out of INPUTS
-    draw : (sources.Sources) -> a figure of matplotlib; FoggyError where what it shows is missing, damaged or not as
+    draw : from sources to a figure of matplotlib; FoggyError where what it shows is missing, damaged or not as
         listed
     keys : dotted keys of the params that it is drawn by, beside the section `figures`
     of_test_set : whether there is one for each test set, which is then named NAME_TESTSET
@@ -42,7 +49,7 @@ class Figure:
 
     text: str
     inputs: tuple[str, ...]
-    draw: Callable[[Any], Any]
+    draw: Callable[[Sources], Drawing]
     keys: tuple[str, ...] = ()
     of_test_set: bool = False
 

@@ -1,22 +1,14 @@
 """Test images, their ground truth and the predictions of each row."""
 
-from typing import TYPE_CHECKING
-
-from foggy_synscapes.figures.figure import IMAGES, METRICS, PREDICTIONS, RUNS, Figure
+from foggy_synscapes.figures.figure import IMAGES, METRICS, PREDICTIONS, RUNS, Drawing, Figure, Sources
+from foggy_synscapes.figures.panels import colour, grid
 from foggy_synscapes.labels import CLASSES, IGNORE
 from foggy_synscapes.scoring.confusion import confusion_matrix
 from foggy_synscapes.scoring.iou import iou, mean_annotated
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
 
-    from foggy_synscapes.figures.sources import Sources
-
-
-def draw(sources: "Sources") -> "Drawing":
+def draw(sources: Sources) -> Drawing:
     """In the corner of each prediction stands the mean IoU of this single image."""
-    from foggy_synscapes.figures.panels import colour, grid
-
     samples = sources.images(sources.params.figures.images)
     lines, names, notes = [], [], []
     for network, title in sources.networks.items():
@@ -24,11 +16,11 @@ def draw(sources: "Sources") -> "Drawing":
         scores = [["", ""] for _ in samples]
         for row in sources.rows:
             found = sources.predictions(network, row, [sample.name for sample in samples])
-            for number, (sample, predicted) in enumerate(zip(samples, found, strict=True)):
+            for sample, predicted, images, texts in zip(samples, found, block, scores, strict=True):
                 # The paper paints unlabelled pixels of predictions too; only the score leaves them out.
-                block[number].append(colour(predicted))
+                images.append(colour(predicted))
                 matrix = confusion_matrix(sample.truth, predicted, len(CLASSES), IGNORE)
-                scores[number].append(f"{100 * mean_annotated(iou(matrix)):.0f}")
+                texts.append(f"{100 * mean_annotated(iou(matrix)):.0f}")
         lines += block
         notes += scores
         names += [title] * len(samples)

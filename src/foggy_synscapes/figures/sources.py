@@ -20,7 +20,7 @@ from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.labels import to_train_ids
 from foggy_synscapes.networks import NETWORKS
-from foggy_synscapes.scoring.metrics_file import read_scores
+from foggy_synscapes.scoring.metrics import read_scores
 
 Points = list[tuple[float, float]]
 
@@ -55,7 +55,7 @@ class Sample:
 class Sources:
     """Reads what a figure shows.
 
-    job : whose files are read; runs are shown of the first seed
+    job : whose files are read; runs are shown of the first seed, scores on the test set of a figure that is of one
     roots : folder of each dataset
 
     Each method raises FoggyError where a file is missing, damaged, or not as listed.
@@ -64,6 +64,8 @@ class Sources:
     def __init__(self, job: Any, roots: Mapping[str, Path]) -> None:
         self.job, self.params, self._roots = job, job.params, roots
         self._seed = self.params.train.seeds[0]
+
+        self.test_set = job.values.get("test_set", "")
 
     @property
     def networks(self) -> dict[str, str]:
@@ -75,12 +77,7 @@ class Sources:
         """Rows that are trained, in the order of the tables."""
         trained = [*self.params.train.from_weights, *self.params.train.from_baseline]
         printed = [entry.row for entry in self.params.tables.rows]
-        return [row for row in printed if row in trained] + [row for row in trained if row not in printed]
-
-    @property
-    def test_set(self) -> str:
-        """Name of the test set of a figure that says that it is of one."""
-        return self.job.values["test_set"]
+        return [row for row in dict.fromkeys((*printed, *trained)) if row in trained]
 
     def title(self) -> str:
         """The test set as people call it."""
@@ -118,29 +115,30 @@ class Sources:
 
     def curves(self, network: str, row: str) -> tuple[Points, Points]:
         """Training and validation losses over the share of a training that is done, in percent."""
-        path = self.job.one("curves", network=network, row=row, seed=self._seed)
-        table = read_csv(path, ("step", "train_loss", "validation_loss"))
+        table = read_csv(self._run("curves", network, row), ("step", "train_loss", "validation_loss"))
         last = max((int(line["step"]) for line in table), default=1)
-        train, validation = (
-            [(100 * int(line["step"]) / last, float(line[name])) for line in table if line[name]]
-            for name in ("train_loss", "validation_loss")
-        )
-        return train, validation
+
+        def points(name: str) -> Points:
+            return [(100 * int(line["step"]) / last, float(line[name])) for line in table if line[name]]
+
+        return points("train_loss"), points("validation_loss")
 
     def metrics(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Scores by network and row, as `scoring.metrics.summarize` makes them, of the runs that exist."""
         found: dict[str, dict[str, dict[str, Any]]] = {}
         for network in self.params.train.networks:
-            paths = {row: self.job.one("metrics", network=network, row=row, seed=self._seed) for row in self.rows}
-            runs = {row: read_scores(path) for row, path in paths.items()}
+            runs = {row: read_scores(self._run("metrics", network, row)) for row in self.rows}
             found[network] = {row: run for row, run in runs.items() if run is not None}
             if not found[network]:
                 raise FoggyError(f"figures: no scores of {network} on {self.test_set}; run `foggy evaluate` first")
         return found
 
+    def _run(self, name: str, network: str, row: str) -> Path:
+        return self.job.one(name, network=network, row=row, seed=self._seed)
+
     def predictions(self, network: str, row: str, names: list[str]) -> list[np.ndarray]:
         """Predicted trainIds, uint8 (H, W), of the test images of these names."""
-        path = self.job.one("predictions", network=network, row=row, seed=self._seed)
+        path = self._run("predictions", network, row)
         with Shard(path) as shard:
             return [read_ids(shard.read(name), f"{path}#{name}") for name in names]
 

@@ -124,7 +124,7 @@ def _span(exponent, nearest, group):
 
 
 @jit_contracted
-def _transmittances(distance, exponent, first, last, t):
+def transmittances(distance, exponent, first, last, t):
     """exp2(exponent * distance); NaN (infinity times 0) gives 0."""
     for x in range(first, last):
         e = exponent * distance[x]
@@ -138,7 +138,7 @@ def _transmittances(distance, exponent, first, last, t):
 
 
 @jit
-def _square(t, first, last):
+def square(t, first, last):
     for x in range(first, last):
         t[x] = t[x] * t[x]
 
@@ -384,9 +384,9 @@ def render(image, depth, rows, out, filtered, row, geometry, fog, lights, found)
                     _fill(airlight, first, last, levels)
                     continue
                 if squares[b]:
-                    _square(t, first, last)
+                    square(t, first, last)
                 else:
-                    _transmittances(distance, exponents[b], first, last, t)
+                    transmittances(distance, exponents[b], first, last, t)
                 for i in range(_composite(places, base, near, start, stop, found)):
                     block = found[i]
                     mask = _close(places, base, near, block)

@@ -1,10 +1,11 @@
 """What the inner loops of fog need besides a frame: constants of its betas, and memory for a row."""
 
 import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from foggy_synscapes.fog.kernel import BLOCK, GROUP, LOG2E, F, U, render
+from foggy_synscapes.fog.kernel import BLOCK, GROUP, LOG2E, F, U, render, square, transmittances
 
 MARGINS = {1: 3, 2: 4, 4: 7}
 """Units by which v is taken too high, by the number of factors of t: then a sample that may lie on the other side of a
@@ -21,6 +22,20 @@ def _factors(betas: np.ndarray) -> list[int]:
         twice = b > 0 and betas[b - 1] > LOWEST_BETA and math.isclose(beta, 2 * betas[b - 1], rel_tol=1e-12)
         factors.append(2 * factors[-1] if twice and 2 * factors[-1] in MARGINS else 1)
     return factors
+
+
+def exponentials(betas: Sequence[float], distance: np.ndarray) -> Iterator[tuple[float, int, np.ndarray]]:
+    """Transmittance as rendering computes it before it composites: beta, number of factors, float32 (n,).
+
+    betas : 1/m, ascending, from LOWEST_BETA to HIGHEST_BETA; distance : float32 (n,), metres
+    """
+    t = np.empty(distance.size, F)
+    for beta, factors in zip(betas, _factors(np.array(betas, float)), strict=True):
+        if factors > 1:
+            square(t, 0, t.size)
+        else:
+            transmittances(distance, F(beta * -LOG2E), 0, t.size, t)
+        yield beta, factors, t.copy()
 
 
 def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:

@@ -125,6 +125,10 @@ def _kinds(tensors: dict[str, Tensor]) -> dict[str, tuple]:
     return {name: (tensor.dtype, *tensor.shape) for name, tensor in tensors.items()}
 
 
+NORM_EPSILON = 1e-5
+"""What batch norm adds to variances; those of other frameworks, less what these had added, may be a little below 0."""
+
+
 def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
     """Raise ValueError, saying what does not fit, unless names, shapes and types are exactly the network's."""
     about = f"weights do not fit {network.config.name} ({network.config.backbone})"
@@ -140,6 +144,10 @@ def check_fit(network: Network, tensors: dict[str, Tensor]) -> None:
             raise ValueError(
                 f"{about}: {name} is {given[name]}, expected {wanted[name]}. "
                 "Has it another width or another number of classes?"
+            )
+        if name.endswith("running_var") and not bool((tensors[name] + NORM_EPSILON > 0).all()):
+            raise ValueError(
+                f"{about}: {name} holds {float(tensors[name].min()):g}, expected variances from 0 on. Is it damaged?"
             )
 
 

@@ -75,6 +75,9 @@ class Stability(Section):
     """How numbers are checked at their extremes."""
 
     digits: int = setting("decimal digits of the reference arithmetic (mpmath)", ge=20, le=200)
+    searched: int = setting(
+        "looked through for fog next to a rounding step, for each camera, geometry and beta", unit="pixels", ge=64
+    )
 
 
 class Tradeoff(Section):
@@ -92,6 +95,13 @@ class Tradeoff(Section):
     )
     calibration: int = setting("of training, whose ranges the 8-bit networks take", unit="images", ge=1)
     steps: int = setting("of training that are measured", unit="iterations", ge=1)
+    images: int = setting(
+        "at most, on which networks and fog are scored: of the test set, and the last kept frames", unit="images", ge=1
+    )
+    minutes: float = setting("after which no further image is begun, for each part", unit="minutes", gt=0)
+    tolerance: float = setting(
+        "of mean IoU that a recommended way may lose, by its 95 % interval", unit="points", gt=0, le=100
+    )
 
     @model_validator(mode="after")
     def _from_full_scale(self) -> "Tradeoff":

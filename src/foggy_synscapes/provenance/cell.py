@@ -11,9 +11,9 @@ from foggy_synscapes.networks import NETWORKS, titles
 from foggy_synscapes.provenance.runs import state
 from foggy_synscapes.provenance.tree import UNCHANGED, Lineage
 from foggy_synscapes.results import FOG, METRICS, TABLE, run_file
-from foggy_synscapes.scoring.metrics_file import read_scores
-from foggy_synscapes.tables.numbers import round_half_up
-from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED
+from foggy_synscapes.scoring.metrics import read_scores
+from foggy_synscapes.tables.ours import ANNOTATED, AS_PUBLISHED
+from foggy_synscapes.tables.table import round_half_up
 
 LISTS = ("train", "validation")
 

@@ -18,12 +18,14 @@ class JointHistogram:
     """Counts how often each pair of ids occurs at a pixel of two maps; keeps its buffers from one pair to the next.
 
     On maps of 2 million pixels, fresh buffers would cost as much time as the counting itself.
+
+    chunk : pixels that are counted at once, a multiple of WORD
     """
 
-    def __init__(self) -> None:
+    def __init__(self, chunk: int = CHUNK) -> None:
         self._counts = np.zeros(IDS * IDS, np.int64)
-        self._ends = np.zeros(CHUNK, bool)
-        self._other = np.empty(CHUNK, bool)
+        self._ends = np.zeros(chunk, bool)
+        self._other = np.empty(chunk, bool)
 
     def __call__(self, labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
         """Count one pair of maps; as `joint_histogram`, but the array is overwritten by the next call."""
@@ -34,8 +36,9 @@ class JointHistogram:
             raise ValueError(f"predictions: shape {predictions.shape}, but the labels have {labels.shape}")
         flat_labels, flat_predictions = labels.reshape(-1), predictions.reshape(-1)
         self._counts.fill(0)
-        for start in range(0, flat_labels.size, CHUNK):
-            self._count(flat_labels[start : start + CHUNK], flat_predictions[start : start + CHUNK])
+        for start in range(0, flat_labels.size, self._ends.size):
+            part = slice(start, start + self._ends.size)
+            self._count(flat_labels[part], flat_predictions[part])
         return self._counts.reshape(IDS, IDS)
 
     def _count(self, labels: np.ndarray, predictions: np.ndarray) -> None:
@@ -61,25 +64,11 @@ class JointHistogram:
 
 
 def joint_histogram(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
-    """Count how often each pair of ids occurs at a pixel.
+    """Count how often each pair of ids occurs at a pixel: int64 (256, 256), by label (row) and prediction.
 
-    Parameters
-    ----------
-    labels, predictions : uint8, of one shape
-        Ids in any encoding.
+    labels, predictions : ids in any encoding, uint8 of one shape; ValueError if they are not. Sums over images are
+    plain sums of these counts.
 
-    Returns
-    -------
-    int64 (256, 256)
-        Pixels by label id (row) and predicted id (column). Sums over images are plain sums of these.
-
-    Raises
-    ------
-    ValueError
-        If a map is not uint8, or the shapes differ.
-
-    Examples
-    --------
     >>> counts = joint_histogram(np.array([[7, 7, 8]], np.uint8), np.array([[7, 8, 8]], np.uint8))
     >>> int(counts[7, 7]), int(counts[7, 8]), int(counts[8, 8]), int(counts.sum())
     (1, 1, 1, 3)
@@ -95,28 +84,15 @@ def _pairs(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
 
 
 def fold(counts: np.ndarray, label_classes: np.ndarray, predicted_classes: np.ndarray, classes: int) -> np.ndarray:
-    """Turn counts of ids into a confusion matrix of classes.
+    """Turn counts of ids into a confusion matrix of classes: int64 (C, C + 1).
 
-    Parameters
-    ----------
-    counts : int64 (256, 256)
-        From `joint_histogram`, or a sum of such.
-    label_classes, predicted_classes : int (256,)
-        Class of each id, or VOID, or UNKNOWN.
-    classes : int
-        Number of classes, C.
+    counts : int64 (256, 256), from `joint_histogram`, or a sum of such
+    label_classes, predicted_classes : int (256,), class of each id, or VOID, or UNKNOWN
+    classes : number of classes, C
 
-    Returns
-    -------
-    int64 (C, C + 1)
-        Pixels whose label is a class, by that class (row) and predicted class (column). The last column
-        counts predictions of no class: they are misses of the labelled class, and false alarms of none.
-        Pixels with a void label are left out, whatever is predicted there.
-
-    Raises
-    ------
-    ValueError
-        If an id occurs that does not exist in its encoding.
+    Pixels whose label is a class, by that class (row) and predicted class (column). The last column counts predictions
+    of no class: they are misses of the labelled class, and false alarms of none. Pixels with a void label are left out,
+    whatever is predicted there. Raises ValueError if an id occurs that does not exist in its encoding.
     """
     for name, table, occurs in (
         ("labels", label_classes, counts.any(axis=1)),
@@ -135,8 +111,6 @@ def fold(counts: np.ndarray, label_classes: np.ndarray, predicted_classes: np.nd
 def confusion_matrix(labels: np.ndarray, predictions: np.ndarray, classes: int, ignore: int = 255) -> np.ndarray:
     """Confusion matrix of two maps of class indices 0 to `classes` - 1 and `ignore`; see `fold`.
 
-    Examples
-    --------
     >>> truth, guess = np.array([[0, 0, 1, 255]], np.uint8), np.array([[0, 1, 1, 0]], np.uint8)
     >>> confusion_matrix(truth, guess, classes=2).tolist()
     [[1, 1, 0], [0, 1, 0]]

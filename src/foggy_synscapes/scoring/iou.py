@@ -37,8 +37,6 @@ def iou(matrix: np.ndarray) -> np.ndarray:
     NaN where the ground truth does not hold the class: its union is then made of false alarms alone, and a
     single one of them would decide between "undefined" and 0.
 
-    Examples
-    --------
     >>> iou(np.array([[3, 1, 0], [0, 2, 2]])).tolist()
     [0.75, 0.4]
     """
@@ -56,8 +54,6 @@ def iou_as_cityscapes(matrix: np.ndarray) -> np.ndarray:
 def mean_annotated(scores: Sequence[float] | np.ndarray) -> float:
     """Mean over the scores that are defined; NaN if none is.
 
-    Examples
-    --------
     >>> mean_annotated([0.5, float("nan"), 1.0])
     0.75
     """
@@ -69,8 +65,6 @@ def mean_annotated(scores: Sequence[float] | np.ndarray) -> float:
 def mean_as_published(scores: Sequence[float] | np.ndarray) -> float:
     """Mean over all classes, an undefined score counting as 0: the printed means of Tables I and II.
 
-    Examples
-    --------
     >>> mean_as_published([0.5, float("nan"), 1.0])
     0.5
     """

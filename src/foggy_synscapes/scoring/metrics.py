@@ -1,10 +1,13 @@
 """The scores of a test set as one plain document: what `metrics.json` holds."""
 
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.labels import CATEGORIES, CLASSES
 from foggy_synscapes.scoring import iou
 
@@ -12,25 +15,13 @@ from foggy_synscapes.scoring import iou
 def summarize(matrix: np.ndarray, images: int) -> dict[str, Any]:
     """Scores of a confusion matrix of the 19 classes, in percent, None where undefined.
 
-    Parameters
-    ----------
-    matrix : int64 (19, 20)
-        See `confusion.fold`.
-    images : int
-        Number of images that were counted.
+    matrix : int64 (19, 20), see `confusion.fold`; ValueError if it has another shape, or no pixel of a class
+    images : number of images that were counted
 
-    Returns
-    -------
-    dict
-        `confusion` holds rows of ground truth by columns of predictions; `unlabelled_predictions` the pixels of
-        each class that are predicted as no class, which its `fn` includes. `mean_iou` has both conventions;
-        `mean_iou_cityscapes` is that of the Cityscapes scripts, in which a class absent from the ground truth
-        counts as 0 as soon as one pixel is predicted as it.
-
-    Raises
-    ------
-    ValueError
-        If the matrix has another shape, or no pixel is labelled with a class.
+    `confusion` holds rows of ground truth by columns of predictions; `unlabelled_predictions` the pixels of each class
+    that are predicted as no class, which its `fn` includes. `mean_iou` has both conventions; `mean_iou_cityscapes` is
+    that of the Cityscapes scripts, in which a class absent from the ground truth counts as 0 as soon as one pixel is
+    predicted as it.
     """
     if matrix.shape != (len(CLASSES), len(CLASSES) + 1):
         raise ValueError(f"matrix: shape {matrix.shape}, expected {(len(CLASSES), len(CLASSES) + 1)}")
@@ -89,3 +80,19 @@ def check(document: Any) -> None:
             raise ValueError(f"count {value!r}, expected a whole number from 0 on")
     if annotated != sum(score is not None for score in scores):
         raise ValueError(f"{annotated} annotated classes, but another number of scores is defined")
+
+
+def read_scores(path: Path) -> dict[str, Any] | None:
+    """Scores of a run as `summarize` makes them, or None where the run was not made; FoggyError if they are damaged."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError) as error:
+        raise FoggyError(f"{path}: cannot be read: {error}") from error
+    try:
+        document = json.loads(text)
+        check(document)
+    except ValueError as error:
+        raise FoggyError(f"{path}: {error}. Was it made by `foggy evaluate`? Run that again.") from error
+    return document

@@ -22,8 +22,6 @@ _OTHER = re.compile(r"_(color|instanceIds|instanceTrainIds|panoptic)$", re.IGNOR
 def named_encoding(name: str) -> str | None:
     """Encoding that a file's own name states: "labelIds", "trainIds" or None.
 
-    Examples
-    --------
     >>> named_encoding("aachen/aachen_000000_000019_gtFine_labelTrainIds.png")
     'trainIds'
     """
@@ -41,8 +39,6 @@ def is_other_map(name: str) -> bool:
 def frame(name: str) -> str:
     """Name of the frame that a file belongs to: the folder and the name without what kind of file it is.
 
-    Examples
-    --------
     >>> frame("test/web/a_000001_leftImg8bit.png"), frame("web/a_000001_gtFine_labelIds.png"), frame("s/2.0_f_1.png")
     ('test/web/a_000001', 'web/a_000001', 's/2.0_f_1')
     """
@@ -57,12 +53,8 @@ def pair(labels: Iterable[str], predictions: Iterable[str]) -> list[tuple[str, s
     """Pair relative paths of label maps with those of predictions, one to one: sorted (label, prediction).
 
     Files are paired by folder and frame; where folders differ between the two sides, by frame alone, provided
-    that no two files of a side share it.
-
-    Raises
-    ------
-    ValueError
-        Naming the files that stay alone on either side, or that are two for one frame.
+    that no two files of a side share it. Raises ValueError naming the files that stay alone on either side, or that are
+    two for one frame.
     """
     labels, predictions = sorted(labels), sorted(predictions)
     by_path = _keys(labels, frame), _keys(predictions, frame)

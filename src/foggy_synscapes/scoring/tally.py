@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.scoring.confusion import IDS, JointHistogram, fold
+from foggy_synscapes.scoring.confusion import IDS, JointHistogram, fold, joint_histogram
 from foggy_synscapes.scoring.encoding import class_table, contradiction, detect, unknown_ids
 
 ASK = "Say which they are (--encoding trainIds or --encoding labelIds)."
@@ -41,10 +41,7 @@ class Side:
     def encoding(self, asked: str | None = None, named: str | None = None) -> str:
         """Decide the encoding: what is asked for, or else what the ids tell, or else what the file names say.
 
-        Raises
-        ------
-        ValueError
-            If the ids leave it open, contradict what is asked for or named, or do not exist.
+        Raises ValueError if the ids leave it open, contradict what is asked for or named, or do not exist.
         """
         if not asked and {"trainIds", "labelIds"} <= self.alone.keys():
             raise ValueError(
@@ -65,6 +62,12 @@ class Side:
             where = self.first[unknown[0]] if unknown else self.what
             raise ValueError(f"{where}: {problem}")
         return found
+
+
+def image_matrix(labels: np.ndarray, predictions: np.ndarray) -> np.ndarray:
+    """Confusion matrix of one image, labelIds against predicted trainIds: int64 (19, 20), see `confusion.fold`."""
+    counts = joint_histogram(labels, predictions)
+    return fold(counts, class_table("labelIds"), class_table("trainIds"), len(CLASSES))
 
 
 class Tally:

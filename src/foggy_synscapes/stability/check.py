@@ -1,5 +1,7 @@
-"""One line of the stability table."""
+"""One line of the stability table, and what all of them say."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 COLUMNS = ("area", "quantity", "case", "format", "expected", "found", "worst_ulp", "worst_error", "verdict")
@@ -32,5 +34,17 @@ class Check:
     def row(self) -> tuple[str, ...]:
         """Cells in the order of COLUMNS."""
         numbers = ("" if value is None else f"{value:.3g}" for value in (self.worst_ulp, self.worst_error))
-        texts = self.area, self.quantity, self.case, self.format, self.expected, self.found
-        return (*texts, *numbers, self.verdict)
+        return (self.area, self.quantity, self.case, self.format, self.expected, self.found, *numbers, self.verdict)
+
+
+def summary(checks: Sequence[Check]) -> str:
+    """What does not hold, first, and how many hold by area: Markdown that follows from the checks."""
+    failed = [check for check in checks if not check.good]
+    lines = [f"Of {len(checks)} checks {len(checks) - len(failed)} hold. These do not:", ""]
+    lines += [
+        f"- {one.area}, {one.quantity} in {one.format}: {one.case}; expected {one.expected}, found {one.found}"
+        for one in failed
+    ]
+    areas = Counter(check.area for check in checks)
+    held = Counter(check.area for check in checks if check.good)
+    return "\n".join([*lines, "", f"By area: {', '.join(f'{area} {held[area]} of {areas[area]}' for area in areas)}."])

@@ -1,56 +1,51 @@
 """Number formats in which fog may be computed: NumPy's own, and bfloat16 rounded after each operation."""
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    import torch
 
 
 @dataclass(frozen=True)
 class Format:
-    """A binary floating-point format.
-
-    precision : bits of the significand, the hidden one included; lowest, highest : exponents of the smallest and the
-    largest normal number; carrier : NumPy type that holds its values
-    """
+    """A binary floating-point format that PyTorch knows by this name; carrier : NumPy type that holds its values."""
 
     name: str
-    precision: int
-    lowest: int
-    highest: int
     carrier: type
-    rounding: Callable[[np.ndarray], np.ndarray]
+
+    @cached_property
+    def info(self) -> "torch.finfo":
+        """What PyTorch knows of it: `smallest_normal`, below which precision is lost bit by bit, `max`, `eps`."""
+        import torch
+
+        return torch.finfo(getattr(torch, self.name))
 
     @property
     def unit(self) -> float:
         """Largest relative error of one rounding."""
-        return 2.0**-self.precision
-
-    @property
-    def smallest_normal(self) -> float:
-        """Below it precision is lost bit by bit."""
-        return 2.0**self.lowest
+        return self.info.eps / 2
 
     @property
     def smallest(self) -> float:
         """Half of it rounds to 0."""
-        return 2.0 ** (self.lowest - self.precision + 1)
-
-    @property
-    def largest(self) -> float:
-        """Largest finite number."""
-        return (2 - 2.0 ** (1 - self.precision)) * 2.0**self.highest
+        return self.info.smallest_normal * self.info.eps
 
     def cast(self, values: object) -> np.ndarray:
         """Values rounded to the format; overflow gives infinity."""
         with np.errstate(over="ignore", under="ignore"):
-            return self.rounding(np.asarray(values).astype(self.carrier))
+            held: np.ndarray = np.asarray(values).astype(self.carrier)
+            return to_bfloat16(held) if self.name == "bfloat16" else held
 
     def ulp(self, values: np.ndarray) -> np.ndarray:
         """Distance between neighbours at each float64 value, that of subnormal numbers near 0."""
         with np.errstate(divide="ignore"):
             exponent = np.floor(np.log2(np.abs(values)))
-        return 2.0 ** (np.maximum(exponent, self.lowest) - self.precision + 1)
+        return 2.0 ** np.maximum(exponent, math.log2(self.info.smallest_normal)) * self.info.eps
 
     def transmittance(self, distance: np.ndarray, beta: np.ndarray) -> np.ndarray:
         """exp(-beta distance), rounded after each operation."""
@@ -74,18 +69,14 @@ def to_bfloat16(values: np.ndarray) -> np.ndarray:
     >>> to_bfloat16(np.array([1.0, 1.001, 1.01, np.inf], np.float32)).tolist()
     [1.0, 1.0, 1.0078125, inf]
     """
-    bits = values.view(np.uint32).astype(np.uint64)
-    rounded = ((bits + 0x7FFF + ((bits >> 16) & 1)) & 0xFFFF0000).astype(np.uint32)
-    return np.where(np.isfinite(values), rounded.view(np.float32), values)
+    import torch
 
-
-def _as_it_is(values: np.ndarray) -> np.ndarray:
-    return values
+    return torch.tensor(values).to(torch.bfloat16).to(torch.float32).numpy()
 
 
 FORMATS = (
-    Format("float64", 53, -1022, 1023, np.float64, _as_it_is),
-    Format("float32", 24, -126, 127, np.float32, _as_it_is),
-    Format("float16", 11, -14, 15, np.float16, _as_it_is),
-    Format("bfloat16", 8, -126, 127, np.float32, to_bfloat16),
+    Format("float64", np.float64),
+    Format("float32", np.float32),
+    Format("float16", np.float16),
+    Format("bfloat16", np.float32),
 )

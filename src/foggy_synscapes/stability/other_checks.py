@@ -1,5 +1,6 @@
-"""Airlight on degenerate images, learning rate at its end, losses on extreme logits, scores at extreme counts."""
+"""Airlight on degenerate images, scores at extreme counts, sums of 8-bit products."""
 
+import json
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -8,15 +9,16 @@ import numpy as np
 
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.scoring.iou import iou, mean_annotated
+from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.stability.check import Check
 
 
 def checks() -> Iterator[Check]:
-    """All checks that are not about number formats of fog."""
+    """All checks that are neither about the arithmetic of fog nor about training."""
     yield from _airlight()
-    yield from _learning_rate()
-    yield from _losses()
     yield from _scores()
+    yield from _large_counts()
+    yield from _eight_bits()
 
 
 def _airlight() -> Iterator[Check]:
@@ -32,98 +34,51 @@ def _airlight() -> Iterator[Check]:
         yield Check("airlight", "levels and pixel", name, "uint8", asked, got, expected == found)
 
 
-def _learning_rate() -> Iterator[Check]:
-    """The poly schedule at its last step: positive, real, and what exact arithmetic gives."""
-    from foggy_synscapes.training.policy import Policy
-
-    for steps in (1, 6125, 10**9):
-        policy = Policy(learning_rate=0.01, schedule="poly", power=0.9, batch=1, crop=(1, 1), scale=(1, 1))
-        found = policy.rate(steps - 1, steps)
-        expected = 0.01 * math.exp(-0.9 * math.log(steps))
-        off = abs(found / expected - 1)
-        # 1 - step / steps is rounded at 2^-53 and is 1 / steps: the relative error grows with steps.
-        good = isinstance(found, float) and off <= 2.0**-52 * (steps + 4)
-        case = f"last of {steps} steps"
-        yield Check(
-            "training",
-            "poly rate",
-            case,
-            "float64",
-            f"{expected:.6g}",
-            f"{found:.6g}",
-            good,
-            None,
-            abs(found - expected),
-        )
-
-
-def _losses() -> Iterator[Check]:
-    """Cross-entropy of extreme logits, by itself and through hard example mining."""
-    import torch
-
-    from foggy_synscapes.training.losses import cross_entropy, hard_examples, pixel_losses
-
-    cases = {
-        "true class at +1e4": (1e4, 0.0),
-        "true class at -1e4": (-1e4, 1e4 + math.log(18)),
-        "true class at -1e30": (-1e30, 1e30),
-        "all 19 logits equal": (0.0, math.log(19)),
-    }
-    for name, (logit, expected) in cases.items():
-        logits = torch.zeros(1, 19, 2, 2)
-        logits[:, 3] = logit
-        logits.requires_grad_(True)
-        targets = torch.full((1, 2, 2), 3, dtype=torch.uint8)
-        losses, labelled, _ = pixel_losses(logits, targets, False)
-        for kind, loss in (
-            ("cross-entropy", cross_entropy(losses, labelled)),
-            ("hard examples", hard_examples(losses, labelled, 0.7, 1 / 16)),
-        ):
-            (gradient,) = torch.autograd.grad(loss, logits, retain_graph=True)
-            found = float(loss.detach())
-            off = abs(found - expected)
-            good = off <= 2.0**-22 * max(1.0, expected) and bool(torch.isfinite(gradient).all())
-            shown = f"{found:.6g}, gradient {'finite' if torch.isfinite(gradient).all() else 'not finite'}"
-            yield Check("training", kind, name, "float32", f"{expected:.6g}, gradient finite", shown, good, None, off)
-    nothing = torch.full((1, 2, 2), 255, dtype=torch.uint8)
-    losses, labelled, _ = pixel_losses(torch.zeros(1, 19, 2, 2), nothing, False)
-    for kind, loss in (
-        ("cross-entropy", cross_entropy(losses, labelled)),
-        ("hard examples", hard_examples(losses, labelled, 0.7, 1 / 16)),
-    ):
-        yield Check("training", kind, "every pixel ignored", "float32", "0", f"{float(loss):g}", float(loss) == 0)
-
-
 def _scores() -> Iterator[Check]:
     """IoU of classes without pixels, and of counts that float64 cannot tell apart."""
     empty = np.zeros((3, 4), np.int64)
     empty[0, 0], empty[1, 2] = 5, 4  # class 0 right, class 1 taken for class 2, class 2 not annotated
-    found = iou(empty).tolist()
-    shown = ", ".join("undefined" if math.isnan(value) else f"{value:g}" for value in found)
-    yield Check(
-        "scoring",
-        "IoU",
-        "class 2 is predicted but not annotated",
-        "int64",
-        "1, 0, undefined",
-        shown,
-        shown == "1, 0, undefined",
-    )
-    mean = mean_annotated(found)
-    yield Check("scoring", "mean IoU", "over the annotated classes", "float64", "0.5", f"{mean:g}", mean == 0.5)
-    nothing = mean_annotated(iou(np.zeros((3, 4), np.int64)).tolist())
-    shown = "undefined" if math.isnan(nothing) else f"{nothing:g}"
-    yield Check("scoring", "mean IoU", "nothing annotated at all", "float64", "undefined", shown, shown == "undefined")
+    mean, nothing = mean_annotated(iou(empty).tolist()), mean_annotated(iou(np.zeros((3, 4), np.int64)).tolist())
+    for quantity, case, form, expected, found in (
+        ("IoU", "class 2 is predicted but not annotated", "int64", "1, 0, undefined", iou(empty).tolist()),
+        ("mean IoU", "over the annotated classes", "float64", "0.5", [mean]),
+        ("mean IoU", "nothing annotated at all", "float64", "undefined", [nothing]),
+    ):
+        shown = ", ".join("undefined" if math.isnan(value) else f"{value:g}" for value in found)
+        yield Check("scoring", quantity, case, form, expected, shown, shown == expected)
     big = 2**53
     matrix = np.array([[big + 1, 1, 0], [3, big - 7, 2]], np.int64)
-    union = sum(map(int, matrix[0])) + 3
-    exact = Fraction(big + 1, union)
+    exact = Fraction(big + 1, sum(map(int, matrix[0])) + 3)
     value = float(iou(matrix)[0])
     off = abs(float(Fraction(value) - exact))
-    case = "2^53 + 1 right, 1 missed, 3 false: 1 - 4 / (2^53 + 5)"
-    yield Check(
-        "scoring", "IoU", case, "int64", f"{float(exact):.17g}", f"{value:.17g}", off <= 2.0**-53, off * 2.0**53, off
-    )
+    case, texts = "2^53 + 1 right, 1 missed, 3 false: 1 - 4 / (2^53 + 5)", (f"{float(exact):.17g}", f"{value:.17g}")
+    yield Check("scoring", "IoU", case, "int64", *texts, off <= 2.0**-53, off * 2.0**53, off)
     total = int(matrix.sum())
-    expected = 2 * big
-    yield Check("scoring", "pixels counted", "sums above 2^53", "int64", str(expected), str(total), total == expected)
+    yield Check("scoring", "pixels counted", "sums above 2^53", "int64", str(2 * big), str(total), total == 2 * big)
+
+
+def _large_counts() -> Iterator[Check]:
+    """A test set of 2^53 pixels: its scores, and its counts in the file of metrics."""
+    counts = np.random.default_rng(0).integers(0, 1000, (19, 20))
+    few, many = (summarize(matrix, 1) for matrix in (counts, counts * 2**35))
+    off = max(abs(one["iou"] - other["iou"]) for one, other in zip(few["classes"], many["classes"], strict=True))
+    off = max(off, *(abs(few[key] - many[key]) for key in ("pixel_accuracy", "frequency_weighted_iou")))
+    pixels = int(counts.sum()) * 2**35
+    case = f"{pixels / 2**53:.1f} times 2^53 pixels, against 2^35 times fewer"
+    yield Check("scoring", "IoU and accuracy", case, "int64", "off by 0", f"off by {off:g}", off == 0, None, off)
+    counts[0, 0] = 2**53 + 1
+    read = json.loads(json.dumps(summarize(counts, 1)))["confusion"][0][0]
+    yield Check(
+        "scoring", "confusion", "2^53 + 1 in metrics.json", "int64", str(2**53 + 1), str(read), read == 2**53 + 1
+    )
+
+
+def _eight_bits() -> Iterator[Check]:
+    """Largest sums of products of an unsigned and a signed byte, as int8 networks add them up."""
+    for case, products, bits in (
+        ("sum over 3 x 3 pixels of 2048 channels", 2048 * 9, 32),
+        ("sum of two products on processors without VNNI", 2, 16),
+    ):
+        largest, limit = 255 * 127 * products, 2 ** (bits - 1) - 1
+        texts = f"at most {limit}", f"{largest}{'' if largest <= limit else ': saturates'}"
+        yield Check("networks", "int8", case, f"int{bits}", *texts, largest <= limit)

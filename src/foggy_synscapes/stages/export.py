@@ -15,8 +15,7 @@ from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.weights import Model, load_model
 from foggy_synscapes.params import load
 from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
-from foggy_synscapes.tradeoff.compare import Difference
-from foggy_synscapes.tradeoff.graph import Graph
+from foggy_synscapes.tradeoff.graph import Difference, Graph
 
 HELP = (
     "Write a model as an ONNX graph: 8-bit RGB images (batch, height, width, 3) of any size in, trainIds or logits of "
@@ -115,11 +114,10 @@ def export(
         raise FoggyError(f"{source}: {error}") from error
     try:
         from foggy_synscapes.tradeoff import onnx_export
-        from foggy_synscapes.tradeoff.quantize import to_int8
 
         graph = onnx_export.to_onnx(model, scale)
         if images:
-            graph = to_int8(graph, images)
+            graph = onnx_export.to_int8(graph, images)
         random = np.random.default_rng(0)
         samples = images or [random.integers(0, 256, (*size, 3), np.uint8) for size in SIZES]
         difference = _compare(model, scale, graph, samples, device)
@@ -142,7 +140,7 @@ def export(
 
 
 def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray], device: str) -> Difference:
-    from foggy_synscapes.tradeoff.session import Session
+    from foggy_synscapes.tradeoff.onnx_export import Session
 
     session, eager = Session(graph, torch.get_num_threads()), Graph(model, scale).eval().to(device)
     difference = Difference()

@@ -7,8 +7,8 @@ import pandas as pd
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.stability import fog_checks, other_checks
-from foggy_synscapes.stability.check import COLUMNS, FAILS, Check
+from foggy_synscapes.stability import fog_checks, kernel_checks, other_checks
+from foggy_synscapes.stability.check import COLUMNS, FAILS, Check, summary
 from foggy_synscapes.steps import job
 
 HELP = "Check fog, airlight, learning rate, losses and scores at the extremes, in each number format."
@@ -24,21 +24,24 @@ def run(args: argparse.Namespace) -> None:
 
 
 def stability(params: Params) -> list[Check]:
-    """Write the table (CSV, LaTeX) and the plot (PNG, PDF) to results/stability, and return the checks."""
+    """Write the table (CSV, LaTeX, Markdown) and the plot (PNG, PDF) to results/stability, and return the checks."""
     from foggy_synscapes.figures.errors import errors
     from foggy_synscapes.figures.style import render
-    from foggy_synscapes.tables.formats import long_latex
+    from foggy_synscapes.stability import training_checks
+    from foggy_synscapes.tables.formats import long_latex, long_markdown
 
     run = Run(job(params, "stability"))
     digits = params.stability.digits
-    checks = [*fog_checks.checks(digits), *other_checks.checks()]
-    outputs = run.job.outputs("csv", "tex", "png", "pdf")
+    checks = [*fog_checks.checks(digits), *kernel_checks.checks(digits, params.stability.searched)]
+    checks += [*training_checks.checks(), *other_checks.checks()]
+    outputs = run.job.outputs("csv", "tex", "md", "png", "pdf")
     table = pd.DataFrame([check.row() for check in checks], columns=COLUMNS)
     write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
     caption = f"Numbers at the extremes, against mpmath at {digits} digits."
     write_text(outputs[1], long_latex(table, caption, "table:stability"))
     figure = errors(fog_checks.curves(digits))
-    for path in outputs[2:]:
+    write_text(outputs[2], f"{caption}\n\n{summary(checks)}\n\n{long_markdown(table)}\n")
+    for path in outputs[3:]:
         write_bytes(path, render(figure, path.suffix[1:]))
     run.finish()
     failed = sum(check.verdict == FAILS for check in checks)

@@ -10,13 +10,14 @@ from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.scoring.metrics_file import read_scores
+from foggy_synscapes.scoring.metrics import read_scores
 from foggy_synscapes.steps import job
 from foggy_synscapes.tables import formats, ours
+from foggy_synscapes.tables.ours import annotated_classes, collect
 from foggy_synscapes.tables.paper import published_csv, published_table
 from foggy_synscapes.tables.published import TEST_SETS as PUBLISHED
 from foggy_synscapes.tables.published import load as load_published
-from foggy_synscapes.tables.results import annotated_classes, collect, images_text
+from foggy_synscapes.tables.table import images_text
 
 HELP = "Make the tables of mean IoU (percent): CSV, LaTeX, Markdown and HTML."
 

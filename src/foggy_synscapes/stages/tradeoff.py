@@ -20,22 +20,28 @@ from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.results import FOG, METRICS, root, roots, run_file
-from foggy_synscapes.scoring.metrics_file import read_scores
+from foggy_synscapes.scoring.metrics import read_scores
 from foggy_synscapes.steps import job
 from foggy_synscapes.tradeoff import fog
 
 if TYPE_CHECKING:
     from foggy_synscapes.networks.weights import Model
-    from foggy_synscapes.tradeoff.networks import Sample, Score
+    from foggy_synscapes.tradeoff.networks import Sample
     from foggy_synscapes.tradeoff.training import Cost
+    from foggy_synscapes.training.policy import Policy
 
 HELP = "Measure ways of computing fog and networks: CPU time against what changes. Its times differ run by run."
-PARTS = ("fog", "networks")
+PARTS = ("fog", "networks", "accuracy")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
-    parser.add_argument("--part", choices=PARTS, help="what is measured: fog, or trained networks (default: both)")
+    parser.add_argument(
+        "--part",
+        choices=PARTS,
+        help="what is measured: ways of computing fog, trained networks, or their accuracy in fog made in other "
+        "ways (default: all)",
+    )
 
 
 def run(args: argparse.Namespace) -> None:
@@ -51,11 +57,11 @@ def tradeoff(params: Params, part: str) -> None:
 
     Raises FoggyError if a frame, model, test image or list is missing, damaged or not as recorded.
     """
-    {"fog": _fog, "networks": _networks}[part](params)
+    {"fog": _fog, "networks": _networks, "accuracy": _accuracy}[part](params)
 
 
 def _fog(params: Params) -> None:
-    from foggy_synscapes.figures.pareto import pareto
+    from foggy_synscapes.figures.pareto import errors_front
     from foggy_synscapes.figures.style import render
     from foggy_synscapes.tables.formats import long_latex
 
@@ -72,8 +78,8 @@ def _fog(params: Params) -> None:
     caption = f"Fog arithmetic: CPU time per image ({what}) and change against float64, in levels of 8 bits."
     write_text(outputs[1], long_latex(table, caption, "table:tradeoff-fog"))
     write_text(outputs[2], fog.paragraph(scores, what) + "\n")
-    points = [(score.variant.name, score.cpu_ms, score.mean) for score in scores if score.cpu_ms is not None]
-    figure = pareto(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
+    points = [(score.variant.name, score.cpu_ms, score.mean) for score in fog.timed(scores)]
+    figure = errors_front(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
     for path in outputs[3:]:
         write_bytes(path, render(figure, path.suffix[1:]))
     run.finish()
@@ -81,10 +87,11 @@ def _fog(params: Params) -> None:
 
 
 def _networks(params: Params) -> None:
-    from foggy_synscapes.figures.front import front
+    from foggy_synscapes.figures.pareto import accuracy_front
     from foggy_synscapes.figures.style import render
+    from foggy_synscapes.networks import titles
     from foggy_synscapes.tables.formats import long_latex, long_markdown
-    from foggy_synscapes.tradeoff import networks, text, training
+    from foggy_synscapes.tradeoff import networks, training
 
     settings, seed = params.tradeoff, params.train.seeds[0]
     this = job(params, "tradeoff_networks")
@@ -95,36 +102,37 @@ def _networks(params: Params) -> None:
     lists = dict(zip([settings.row, *params.subset.kinds()["pure"]], this.inputs("lists"), strict=True))
     reader = Reader(roots(params), FOG)
     calibration = calibration_images(lists[settings.row], reader, settings.calibration, composite)
-    samples = _samples(this)
-    scores: list[Score] = []
-    for name, path in models.items():
-        scores += networks.measure(name, _model(path), samples, calibration, settings.scales)
+    loaded = {name: _model(path) for name, path in models.items()}
+    samples, known = _samples(this, loaded)
+    scores = [
+        score
+        for name, model in loaded.items()
+        for score in networks.measure(name, model, samples, calibration, settings.scales)
+    ]
     costs = _costs(this, models, lists, reader)
 
     best = networks.pareto_front(scores)
     outputs = this.outputs("csv", "tex", "md", "png", "pdf", "training_csv", "training_tex")
-    measured, ended = text.backends(scores, best), text.costs(costs)
+    measured, ended = networks.table(scores, best), training.table(costs)
     write_text(outputs[0], measured.to_csv(index=False, lineterminator="\n"))
     height, width = samples[0][0].shape[:2]
     data = "stand-in " if params.stand_in else ""
-    test_set = text.title(settings.test_set)
-    what = f"{len(samples)} {data}images of {test_set}, the first of {width} x {height} pixels"
+    test_set = DATASETS[settings.test_set].title
+    what = f"{len(samples)} of {known} {data}images of {test_set}, the first of {width} x {height} pixels"
     caption = (
         f"Ways of computing the networks of row {settings.row} (seed {seed}) on {what}: median CPU time of one thread "
         "per image; mean IoU over the annotated classes; changes from PyTorch in float32 at full scale: points of mean "
-        "IoU, the class whose IoU changes most, the largest difference of logits, pixels of another class."
+        "IoU with their 95 % interval (paired bootstrap over the images), the class whose IoU changes most, largest "
+        "difference of logits, pixels of another class."
     )
-    ways, prices = text.printed(measured, text.BACKENDS), text.printed(ended, text.COSTS)
+    ways, prices = networks.printed(measured, networks.BACKENDS), networks.printed(ended, training.COSTS)
     write_text(outputs[1], long_latex(ways, caption, "table:tradeoff-networks"))
     duration = training.caption(settings.steps, test_set)
-    parts = [caption, long_markdown(ways), networks.paragraph(scores)]
+    parts = [caption, long_markdown(ways), networks.paragraph(scores, settings.tolerance)]
     parts += [duration, long_markdown(prices), training.paragraph(costs)]
     write_text(outputs[2], "\n\n".join(parts) + "\n")
-    points = [
-        (text.title(one.network), one.way, one.scale, one.cpu_ms, one.miou) for one in scores if one.cpu_ms is not None
-    ]
-    kept = [good for one, good in zip(scores, best, strict=True) if one.cpu_ms is not None]
-    figure = front(points, kept, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
+    points = [(titles()[one.network], one.way, one.scale, one.cpu_ms, one.miou) for one in scores]
+    figure = accuracy_front(points, best, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
     for path in outputs[3:5]:
         write_bytes(path, render(figure, path.suffix[1:]))
     write_text(outputs[5], ended.to_csv(index=False, lineterminator="\n"))
@@ -133,28 +141,69 @@ def _networks(params: Params) -> None:
     print(f"tradeoff networks: {len(scores)} ways, {sum(best)} of them on the front; {outputs[2]}")
 
 
+def _accuracy(params: Params) -> None:
+    from foggy_synscapes.tables.formats import long_latex, long_markdown
+    from foggy_synscapes.tradeoff import fog_accuracy, networks
+
+    run, settings = Run(job(params, "tradeoff_accuracy")), params.tradeoff
+    models = dict(zip(params.train.networks, map(_model, run.job.inputs("models")), strict=True))
+    index, folder = read_index(*run.job.inputs("synscapes")), root(params, "synscapes")
+    # The last ones: no list trains on them.
+    rows = read_csv(run.job.input("kept"), ("id",))[-settings.images :]
+    paths = [synscapes.class_(int(row["id"])) for row in rows]
+    expect(index, paths, "synscapes")
+    labels = [read_ids(read_checked(folder / path, index[path]), path) for path in paths]
+    betas = [float(beta) for beta in settings.betas]
+    scores, done = fog_accuracy.measure(models, _read(run.job, rows), labels, betas, 60 * settings.minutes)
+    table = fog_accuracy.table(scores)
+    caption = (
+        f"Shortcuts of fog: mean IoU of the networks of row {settings.row} (seed {params.train.seeds[0]}) on "
+        f"{'stand-in ' if params.stand_in else ''}frames of Synscapes, {done} of the last {len(rows)}, each at "
+        f"{len(betas)} betas; change from the default way, stored without loss, with its 95 % interval (paired "
+        "bootstrap over the frames)."
+    )
+    outputs, shown = run.job.outputs("csv", "tex", "md"), networks.printed(table, fog_accuracy.COLUMNS)
+    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
+    write_text(outputs[1], long_latex(shown, caption, "table:tradeoff-accuracy"))
+    write_text(outputs[2], "\n\n".join([caption, fog_accuracy.paragraph(scores), long_markdown(shown)]) + "\n")
+    run.finish()
+    print(f"tradeoff accuracy: {len(fog_accuracy.shortcuts()) - 1} shortcuts on {done} frames; {outputs[2]}")
+
+
 def _frames(job: Job) -> list[fog.Frame]:
-    """The first kept frames: image, planar depth in metres, camera."""
-    params, (kept,) = job.params, job.inputs("kept")
-    index, folder = read_index(*job.inputs("synscapes")), root(params, "synscapes")
-    rows = read_csv(kept, ("id",))[: params.tradeoff.frames]
-    if len(rows) < params.tradeoff.frames:
-        raise FoggyError(f"tradeoff.frames: asks for {params.tradeoff.frames} frames, but the filter kept {len(rows)}")
+    """The first kept frames."""
+    asked = job.params.tradeoff.frames
+    rows = read_csv(job.input("kept"), ("id",))[:asked]
+    if len(rows) < asked:
+        raise FoggyError(f"tradeoff.frames: asks for {asked} frames, but the filter kept {len(rows)}")
+    return _read(job, rows)
+
+
+def _read(job: Job, rows: list[dict[str, str]]) -> list[fog.Frame]:
+    """Image, planar depth in metres and camera of kept frames."""
+    index, folder = read_index(*job.inputs("synscapes")), root(job.params, "synscapes")
     clear = [read_frame(folder, int(row["id"]), index) for row in rows]
     return [(one.image, one.depth, synscapes.camera_of(row)) for one, row in zip(clear, rows, strict=True)]
 
 
-def _samples(job: Job) -> list["Sample"]:
-    """Images and labelIds of the test set."""
-    name = job.params.tradeoff.test_set
+def _samples(job: Job, models: dict[str, "Model"]) -> tuple[list["Sample"], int]:
+    """Images and labelIds of the test set, as many as the params allow for, at even distances; and how many it has."""
+    from foggy_synscapes.tradeoff.networks import affordable
+
+    settings, name = job.params.tradeoff, job.params.tradeoff.test_set
     index, folder = read_index(job.input("index")), root(job.params, name)
     pairs = DATASETS[name].tested(folder, index, job.params.scenes)
     expect(index, [path for pair in pairs for path in pair], name)
-    read = {path: read_checked(folder / path, index[path]) for pair in pairs for path in pair}
-    return [
-        (read_rgb(read[image], str(folder / image)), read_ids(read[label], str(folder / label)), image)
-        for image, label in pairs
-    ]
+
+    def read(image: str, label: str) -> "Sample":
+        data = (read_checked(folder / path, index[path]) for path in (image, label))
+        return read_rgb(next(data), str(folder / image)), read_ids(next(data), str(folder / label))
+
+    count = affordable(models, read(*pairs[0])[0], settings.scales, 60 * settings.minutes)
+    if count < 1:
+        raise FoggyError(f"tradeoff.minutes: {settings.minutes:g} is too short for a single image. Allow for more.")
+    count = min(count, settings.images, len(pairs))
+    return [read(*pairs[number * len(pairs) // count]) for number in range(count)], len(pairs)
 
 
 def _model(path: Path) -> "Model":
@@ -173,16 +222,19 @@ def _costs(job: Job, models: dict[str, Path], lists: dict[str, Path], reader: Re
 
     settings, train = job.params.tradeoff, job.params.train
     arithmetic = Arithmetic("cpu", train.precision, train.memory_format)
+    seconds: dict[tuple[str, Policy], float] = {}
     costs = []
     for name, path in models.items():
-        policy = train.network(name).fine_tuning
-        for row in job.params.subset.kinds()["pure"]:
+        for row in [row for row in job.params.subset.kinds()["pure"] if row in train.rows]:
+            policy, schedule = train.policy(name, row), train.rows[row] or train.network(name).baseline
+            if policy is None or schedule is None:
+                continue  # a model that is taken as it is
             samples = PairDataset(lists[row], reader, train.cache * 2**20, composite)
-            seconds = seconds_per_step(_model(path), policy, arithmetic, samples, settings.steps)
+            if (name, policy) not in seconds:
+                # An iteration takes as long on any list.
+                seconds[name, policy] = seconds_per_step(_model(path), policy, arithmetic, samples, settings.steps)
             found = read_scores(run_file(METRICS, settings.test_set, name, row, train.seeds[0]))
-            schedule = train.rows[row]
-            assert schedule is not None  # the params give one to every row but the baseline
             iterations = schedule.length.steps(samples.count, policy.batch)
             miou = found["mean_iou"]["annotated"] if found is not None else None
-            costs.append(Cost(name, row, samples.count, iterations, seconds, miou))
+            costs.append(Cost(name, row, samples.count, iterations, seconds[name, policy], miou))
     return costs

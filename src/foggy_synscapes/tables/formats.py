@@ -1,5 +1,6 @@
 """Tables as LaTeX, Markdown and HTML; what they look like stands in templates/."""
 
+import functools
 import re
 from collections.abc import Sequence
 from itertools import groupby
@@ -8,8 +9,7 @@ from typing import Any
 import jinja2
 import pandas as pd
 
-from foggy_synscapes.tables.numbers import DASH
-from foggy_synscapes.tables.table import MEAN, Table
+from foggy_synscapes.tables.table import DASH, MEAN, Table
 
 _LATEX = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -93,23 +93,16 @@ def _label_width(table: Table) -> float:
 
 def _groups(table: Table) -> list[tuple[str, int, int]]:
     """Groups of heads with their first and last column, counted from 1 with the three of the labels."""
-    found, at = [], 4
-    for name, heads in groupby(group for group, _ in table.heads):
-        span = len(list(heads))
-        found.append((name, at, at + span - 1))
-        at += span
-    return found
+    places = groupby(enumerate(table.heads, start=4), key=lambda column: column[1][0])
+    spans = [(name, [place for place, _ in own]) for name, own in places]
+    return [(name, own[0], own[-1]) for name, own in spans]
 
 
 def _blocks(table: Table) -> list[tuple[str, list[tuple[Any, list[tuple[str, bool]]]]]]:
     """For each network its rows: their labels, and each cell with whether it is bold."""
-    rows = zip(
-        table.labels.reset_index().itertuples(),
-        table.cells.itertuples(index=False, name=None),
-        table.bold.itertuples(index=False, name=None),
-        strict=True,
-    )
-    lines = ((label, list(zip(cells, bold, strict=True))) for label, cells, bold in rows)
+    labels = table.labels.reset_index().itertuples()
+    cells = (list(zip(*line, strict=True)) for line in zip(table.cells.to_numpy(), table.bold.to_numpy(), strict=True))
+    lines = zip(labels, cells, strict=True)
     return [(network, list(own)) for network, own in groupby(lines, key=lambda line: line[0].network)]
 
 
@@ -127,24 +120,19 @@ def _styled(table: Table) -> str:
     return style.apply(lambda _: marks, axis=None).set_uuid(table.name).to_html(doctype_html=False)
 
 
-def _environment(name: str) -> jinja2.Environment:
-    loader = jinja2.PackageLoader("foggy_synscapes.tables")
-    plain: dict[str, Any] = {
-        "loader": loader,
-        "trim_blocks": True,
-        "lstrip_blocks": True,
-        "undefined": jinja2.StrictUndefined,
-    }
-    if name.endswith(".html"):
-        return jinja2.Environment(**plain, autoescape=True)
+def _render(name: str, **values: Any) -> str:
+    return _environment().get_template(name).render(**values)
+
+
+@functools.cache
+def _environment() -> jinja2.Environment:
     # Braces and percent signs are LaTeX's own.
-    signs: dict[str, Any] = {"block_start_string": "<%", "block_end_string": "%>", "comment_start_string": "<#"}
-    signs |= {"comment_end_string": "#>", "variable_start_string": "<<", "variable_end_string": ">>"}
-    made = jinja2.Environment(**plain, **signs, keep_trailing_newline=True)
+    made = jinja2.Environment(
+        loader=jinja2.PackageLoader("foggy_synscapes.tables"), autoescape=lambda name: str(name).endswith(".html"),
+        block_start_string="<%", block_end_string="%>", comment_start_string="<#", comment_end_string="#>",
+        variable_start_string="<<", variable_end_string=">>", undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+    )  # fmt: skip
     made.filters |= {"latex": escape_latex, "markdown": escape_markdown, "head": _head}
     made.globals |= {"cell": _cell, "groups": _groups, "blocks": _blocks, "label_width": _label_width}
     return made
-
-
-def _render(name: str, **values: Any) -> str:
-    return _environment(name).get_template(name).render(**values)

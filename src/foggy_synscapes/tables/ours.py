@@ -1,17 +1,114 @@
-"""Tables of the runs made here: in the paper's form, against the paper, and as one long CSV."""
+"""Tables of the runs made here, beside the published scores: as the paper prints them, and as one long CSV."""
 
+import itertools
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 import pandas as pd
 
 from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.tables.numbers import DASH, MISSING, signed
+from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.tables.paper import ABBREVIATIONS
-from foggy_synscapes.tables.results import ANNOTATED, AS_PUBLISHED, MEANS, Results
-from foggy_synscapes.tables.table import HEADS, MEAN, Table, best, rounded
+from foggy_synscapes.tables.published import mean_of_classes
+from foggy_synscapes.tables.table import (
+    DASH,
+    HEADS,
+    LABELS,
+    MEAN,
+    MISSING,
+    ROW,
+    Table,
+    best,
+    half_interval,
+    rounded,
+    signed,
+)
+
+ANNOTATED, AS_PUBLISHED = "mean IoU annotated", "mean IoU as published"
+MEANS = [ANNOTATED, AS_PUBLISHED]
+NAMES = (*CLASSES, *MEANS)
 
 STAND_IN = (
     "All images are the rendered stand-in, not the real datasets: compare rows with each other, not with the paper."
 )
+
+
+@dataclass(frozen=True)
+class Results:
+    """All scores of all networks and rows.
+
+    labels : text, by `table.ROW` and `table.LABELS`
+    made : by `table.ROW` and seed: whether the run exists
+    scores : by `table.ROW` and score: `published` (Decimal), each seed, `ours` (mean over the seeds), `std` (n - 1)
+        and `difference` (ours minus published); IoU in percent, unrounded, NaN where there is none
+    """
+
+    labels: pd.DataFrame
+    made: pd.DataFrame
+    scores: pd.DataFrame
+
+    def wide(self, column: str) -> pd.DataFrame:
+        """One column of the scores as a table: a line per row, a column per score."""
+        return self.scores[column].unstack("score").loc[self.made.index, list(NAMES)]
+
+
+def collect(
+    labels: Mapping[str, Sequence[str]],
+    runs: Mapping[tuple[str, str], Mapping[str, dict[str, Any] | None]],
+    published: pd.DataFrame,
+) -> Results:
+    """Put the metrics of runs beside the published rows.
+
+    labels : by row, what is printed for it, see `table.LABELS`
+    runs : by (network, row) and seed, the metrics; None for a run that does not exist
+    published : see `published.load`; rows that the paper does not have get no published numbers
+    """
+    means = {ANNOTATED: mean_of_classes(published, annotated=True), AS_PUBLISHED: published[MEAN]}
+    printed = published[list(CLASSES)].assign(**means).to_dict("index")
+    titled = {(NETWORKS[network].title, row): by_seed for (network, row), by_seed in runs.items()}
+    made = pd.DataFrame.from_dict(titled, orient="index").notna().set_axis(pd.MultiIndex.from_tuples(titled, names=ROW))
+    seeds = {key: pd.DataFrame({s: _scores(run) for s, run in own.items()}, NAMES) for key, own in titled.items()}
+    numbers = pd.concat(seeds, names=[*ROW, "score"])
+    known = [line[~np.isnan(line)].tolist() for line in numbers.to_numpy()]
+    scores = numbers.assign(
+        ours=[statistics.fmean(line) if line else np.nan for line in known],
+        std=[statistics.stdev(line) if len(line) > 1 else np.nan for line in known],
+    )
+    paper = [printed.get((network, row), {}).get(name, np.nan) for network, row, name in scores.index]
+    scores.insert(0, "published", pd.Series(paper, scores.index, dtype=object))
+    scores["difference"] = scores["ours"] - scores["published"].astype(float)
+    index = made.index
+    return Results(pd.DataFrame([labels[row] for _, row in index], index, LABELS), made, scores)
+
+
+def annotated_classes(documents: Sequence[dict[str, Any]]) -> list[str] | None:
+    """Names of the classes that the runs' test set annotates; None without any run.
+
+    Raises ValueError if two runs were scored against other label maps.
+    """
+    found = None
+    for document in documents:
+        names = [entry["name"] for entry in document["classes"] if entry["iou"] is not None]
+        labelled = [entry["tp"] + entry["fn"] for entry in document["classes"]]
+        key = names, labelled, document["images"]
+        if found is not None and key != found:
+            raise ValueError(
+                f"scored on {key[2]} images with {len(key[0])} annotated classes and {sum(key[1])} labelled pixels, "
+                f"but another run on {found[2]} with {len(found[0])} and {sum(found[1])}: not the same label maps"
+            )
+        found = key
+    return None if found is None else found[0]
+
+
+def _scores(document: dict[str, Any] | None) -> pd.Series:
+    found = {} if document is None else {entry["name"]: entry["iou"] for entry in document["classes"]}
+    if document is not None:
+        found |= {ANNOTATED: document["mean_iou"]["annotated"], AS_PUBLISHED: document["mean_iou"]["as_published"]}
+    return pd.Series(found, NAMES, dtype=float)
 
 
 def tables(test_set: str, results: Results, annotated: list[str] | None, stand_in: bool) -> list[Table]:
@@ -22,46 +119,39 @@ def tables(test_set: str, results: Results, annotated: list[str] | None, stand_i
         AS_PUBLISHED: "19 as published",
     }
     heads = HEADS | {name: f"{MEAN}, {text}" for name, text in conventions.items()}
-    notes = _notes(annotated, results, stand_in)
+    published, notes = results.wide("published"), _notes(annotated, results, stand_in)
+    known = {name for name in CLASSES if published[name].notna().any()}
+    other = [f"The paper's column is over its own {len(known)} annotated classes."]
+
+    def table(kind: str, caption: str, cells: pd.DataFrame, bold: pd.DataFrame, **more: Any) -> Table:
+        return Table(f"{test_set}_{kind}", f"{caption} {ABBREVIATIONS}", results.labels, cells, bold, **more)
+
     cells, numbers = _ours(results)
-    ours = Table(
-        name=f"{test_set}_ours",
-        caption=f"Results on {data} of the runs made here: IoU in percent. {ABBREVIATIONS}",
-        labels=results.labels,
-        cells=cells.rename(columns=heads),
-        bold=best(numbers),
-        notes=notes,
-    )
-    published = results.wide("published")
+    runs = results.made.sum(axis=1)
+    # Of one seed there is no interval.
+    margins = half_interval(results.wide("std"), runs) if runs.max() > 1 else numbers * 0
+    caption = f"Results on {data} of the runs made here: IoU in percent."
+    ours = table("ours", caption, cells.rename(columns=heads), best(numbers, margins), notes=notes)
     if published.isna().all(axis=None):
         return [ours]
-    notes = notes + _other_ground_truth(annotated, published)
-    paper = rounded(published[MEANS])
-    differences = _differences(results)
-    beside = {
-        "paper": (paper.map("{:.1f}".format).where(paper.notna(), MISSING), paper),
-        "ours": (cells[MEANS], numbers[MEANS]),
-        "difference": (differences[MEANS].replace(DASH, MISSING), paper * float("nan")),
+    notes = notes + (other if annotated is not None and known != set(annotated) else [])
+    paper, differences = rounded(published[MEANS]), _differences(results)
+    texts = {
+        "paper": paper.map("{:.1f}".format).where(paper.notna(), MISSING),
+        "ours": cells,
+        "difference": differences.replace(DASH, MISSING),
     }
-    order = [(name, head) for name in MEANS for head in beside]
-    means = Table(
-        name=f"{test_set}_means",
-        caption=f"Mean IoU on {data} in percent: the paper, the runs made here, and their difference. {ABBREVIATIONS}",
-        labels=results.labels,
-        cells=pd.DataFrame({(conventions[name], head): beside[head][0][name] for name, head in order}),
-        bold=best(pd.DataFrame({(conventions[name], head): beside[head][1][name] for name, head in order})),
-        notes=notes,
-        upright=True,
+    values = {"paper": paper, "ours": numbers, "difference": paper * np.nan}
+    widths = {"paper": paper * 0, "ours": margins, "difference": paper * np.nan}
+    shown, marks, intervals = (
+        pd.DataFrame({(text, head): beside[head][name] for name, text in conventions.items() for head in beside})
+        for beside in (texts, values, widths)
     )
-    difference = Table(
-        name=f"{test_set}_difference",
-        caption=f"Difference on {data}, the runs made here minus the paper: IoU in points of percent. {ABBREVIATIONS}",
-        labels=results.labels,
-        cells=differences.rename(columns=heads),
-        bold=pd.DataFrame(False, index=differences.index, columns=differences.columns),
-        notes=notes,
-    )
-    return [ours, means, difference]
+    caption = f"Mean IoU on {data} in percent: the paper, the runs made here, and their difference."
+    means = table("means", caption, shown, best(marks, intervals), notes=notes, upright=True)
+    caption = f"Difference on {data}, the runs made here minus the paper: IoU in points of percent."
+    none = pd.DataFrame(False, differences.index, differences.columns)
+    return [ours, means, table("difference", caption, differences.rename(columns=heads), none, notes=notes)]
 
 
 def long_csv(test_set: str, results: Results) -> str:
@@ -114,7 +204,7 @@ def _notes(annotated: list[str] | None, results: Results, stand_in: bool) -> lis
             "19 as published: absent classes count as 0."
         )
     if len(seeds) > 1:
-        notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation.")
+        notes.append(f"Mean over seeds {', '.join(seeds)}; ± is their standard deviation. {_order(results)}")
     if not made.any(axis=1).all():
         notes.append(f"{MISSING}: not run.")
     partial = made[made.any(axis=1) & ~made.all(axis=1)]
@@ -124,9 +214,16 @@ def _notes(annotated: list[str] | None, results: Results, stand_in: bool) -> lis
     return notes
 
 
-def _other_ground_truth(annotated: list[str] | None, published: pd.DataFrame) -> list[str]:
-    """A note where the paper's ground truth has other classes than the one here."""
-    known = {name for name in CLASSES if published[name].notna().any()}
-    if annotated is None or known == set(annotated):
-        return []
-    return [f"The paper's column is over its own {len(known)} annotated classes."]
+def _order(results: Results) -> str:
+    """How far the order of the rows depends on the seed, in words."""
+    means = results.scores.xs(ANNOTATED, level="score")[list(results.made)]
+    pairs, changed = 0, 0
+    for _, rows in means.groupby(level=0):
+        for one, other in itertools.combinations(rows.to_numpy(), 2):
+            differences = (one - other)[~np.isnan(one - other)]
+            pairs += differences.size > 1
+            changed += differences.size > 1 and differences.min() < 0 < differences.max()
+    bold = "Bold: not worse than the best beyond the 95 % intervals of their means."
+    return (
+        f"{bold} {changed} of {pairs} pairs of rows of a network change their order with the seed." if pairs else bold
+    )

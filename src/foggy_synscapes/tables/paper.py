@@ -4,10 +4,8 @@ import pandas as pd
 
 from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.tables.numbers import DASH, round_half_up
 from foggy_synscapes.tables.published import mean_of_classes
-from foggy_synscapes.tables.results import images_text
-from foggy_synscapes.tables.table import HEADS, LABELS, MEAN, Table, best, rounded
+from foggy_synscapes.tables.table import DASH, HEADS, LABELS, MEAN, Table, best, images_text, round_half_up, rounded
 
 ABBREVIATIONS = "C = Cityscapes, FC = Foggy Cityscapes, FS = Foggy Synscapes"
 

@@ -1,5 +1,6 @@
 """Ways of rendering fog: CPU time against the samples that change."""
 
+import math
 import statistics
 import time
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ import pandas as pd
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.tables.numbers import MISSING
+from foggy_synscapes.tables.table import MISSING
 from foggy_synscapes.tradeoff.fog_variants import Variant, variants
 from foggy_synscapes.tradeoff.pareto import SAME_TIME, front
 
@@ -21,60 +22,58 @@ Frame = tuple[np.ndarray, np.ndarray, Camera]
 
 @dataclass(frozen=True)
 class Score:
-    """A variant: CPU ms per image at all betas (None where emulated), changed samples in percent, changes in levels."""
+    """A variant: CPU ms per image at all betas (NaN where emulated), changed samples in percent, changes in levels."""
 
     variant: Variant
-    cpu_ms: float | None
+    cpu_ms: float
     changed: float
     largest: int
     mean: float
-
-    @property
-    def ms(self) -> float:
-        """The CPU time of a variant that was timed; ValueError of one that is emulated."""
-        if self.cpu_ms is None:
-            raise ValueError(f"{self.variant.name}: was not timed")
-        return self.cpu_ms
 
 
 def measure(frames: list[Frame], betas: list[float], repeats: int) -> list[Score]:
     """Time every variant on every frame, and compare it with the first one."""
     ways = variants()
-    references = [_foggy(ways[0], frame, betas) for frame in frames]
+    lights = [estimate(frame[0]).levels for frame in frames]
+    references = [ways[0].way(*frame, light, betas) for frame, light in zip(frames, lights, strict=True)]
     scores = []
     for variant in progress(ways, "tradeoff", unit="variant"):
-        times, changed, largest, total, samples = [], 0, 0, 0, 0
-        for frame, reference in zip(frames, references, strict=True):
-            off = np.abs(_foggy(variant, frame, betas).astype(np.int16) - reference)  # also compiles and warms up
-            changed, largest = changed + int((off > 0).sum()), max(largest, int(off.max()))
-            total, samples = total + int(off.sum()), samples + off.size
-            light = estimate(frame[0]).levels
+        times, changes = [], []
+        for frame, light, reference in zip(frames, lights, references, strict=True):
+            # The first call also compiles and warms up.
+            off = np.abs(variant.way(*frame, light, betas).astype(np.int16) - reference)
+            changes.append((np.count_nonzero(off), off.max(), off.sum(), off.size))
             for _ in range(repeats if variant.timed else 0):
                 started = time.thread_time()
                 variant.way(*frame, light, betas)
                 times.append(1000 * (time.thread_time() - started))
-        cpu = statistics.median(times) if times else None
-        scores.append(Score(variant, cpu, 100 * changed / samples, largest, total / samples))
+        changed, largest, total, samples = zip(*changes, strict=True)
+        cpu = statistics.median(times) if times else math.nan
+        every = sum(samples)
+        scores.append(Score(variant, cpu, 100 * sum(changed) / every, int(max(largest)), float(sum(total)) / every))
     return scores
+
+
+def timed(scores: list[Score]) -> list[Score]:
+    """The scores of the variants that were timed."""
+    return [score for score in scores if not math.isnan(score.cpu_ms)]
 
 
 def pareto_front(scores: list[Score]) -> list[str]:
     """Names of the variants that none beats in time and mean change (see `front`)."""
-    timed = [score for score in scores if score.cpu_ms is not None]
-    best = front([(score.ms, score.mean) for score in timed])
-    return [score.variant.name for score, kept in zip(timed, best, strict=True) if kept]
+    best = front([(score.cpu_ms, score.mean) for score in timed(scores)])
+    return [score.variant.name for score, kept in zip(timed(scores), best, strict=True) if kept]
 
 
 def paragraph(scores: list[Score], what: str) -> str:
     """Which variant is the default and why, in words that follow from the figures."""
     named = {score.variant.name: score for score in scores}
     ours, plain = named[OURS], scores[0]
-    exact = [score for score in scores if score.cpu_ms is not None and score.changed == 0]
-    quickest = min(exact, key=lambda score: score.ms)
-    faster = [score for score in scores if score.cpu_ms is not None and SAME_TIME * score.ms < ours.ms]
+    quickest = min((score for score in timed(scores) if score.changed == 0), key=lambda score: score.cpu_ms)
+    faster = [score for score in timed(scores) if SAME_TIME * score.cpu_ms < ours.cpu_ms]
     text = [
-        f"Fog at {what}: the default is **{OURS}**, {ours.ms:.1f} ms of CPU time per image,",
-        f"{plain.ms / ours.ms:.0f} times faster than {plain.variant.name} ({plain.ms:.0f} ms).",
+        f"Fog at {what}: the default is **{OURS}**, {ours.cpu_ms:.1f} ms of CPU time per image,",
+        f"{plain.cpu_ms / ours.cpu_ms:.0f} times faster than {plain.variant.name} ({plain.cpu_ms:.0f} ms).",
     ]
     if ours.changed == 0 and quickest is ours:
         text.append("Of the variants that change no sample it is the fastest.")
@@ -84,7 +83,7 @@ def paragraph(scores: list[Score], what: str) -> str:
         )
     for score in faster:
         text.append(
-            f"{score.variant.name} would take {score.ms:.1f} ms and change {score.changed:.2g} % of the samples, "
+            f"{score.variant.name} would take {score.cpu_ms:.1f} ms and change {score.changed:.2g} % of the samples, "
             f"by up to {score.largest}."
         )
     rough = [f"{score.variant.name} {score.changed:.2g} % (up to {score.largest})" for score in scores if score.changed]
@@ -98,7 +97,7 @@ def table(scores: list[Score], best: list[str]) -> pd.DataFrame:
         {
             "variant": score.variant.name,
             "about": score.variant.about,
-            "cpu_ms": MISSING if score.cpu_ms is None else f"{score.cpu_ms:.1f}",
+            "cpu_ms": f"{score.cpu_ms:.1f}" if timed([score]) else MISSING,
             "changed_percent": f"{score.changed:.3g}",
             "largest_change": str(score.largest),
             "mean_change": f"{score.mean:.3g}",
@@ -107,7 +106,3 @@ def table(scores: list[Score], best: list[str]) -> pd.DataFrame:
         for score in scores
     ]
     return pd.DataFrame(lines)
-
-
-def _foggy(variant: Variant, frame: Frame, betas: list[float]) -> np.ndarray:
-    return variant.way(*frame, estimate(frame[0]).levels, betas)

@@ -1,8 +1,10 @@
-"""A network with everything around it, as one module: 8-bit images in, logits and classes of the same size out."""
+"""A network with everything around it, as one module, and how far another way of computing it is from that."""
 
 import copy
+from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
 import torch
 import torch.nn.functional as functional
 from torch import Tensor, nn
@@ -12,7 +14,7 @@ from foggy_synscapes.networks.weights import Model
 
 
 class Graph(nn.Module):
-    """Normalisation, resizing to a scale, padding, the network, and resizing back.
+    """8-bit images in, logits and classes of their size out: all that is done before and after the network, too.
 
     scale : of the sides of the image at which the network works. At 1 the logits are those of `Model.logits`
     """
@@ -69,3 +71,33 @@ def with_paired_stems(model: Model) -> Model:
             if isinstance(layer, nn.Conv2d) and layer.kernel_size == (7, 7) and layer.stride == (2, 2):
                 setattr(parent, name, PairedStem(layer))
     return Model(network, model.preprocessing)
+
+
+@dataclass
+class Difference:
+    """Summed over images: largest difference of logits, largest logit, pixels of another class, pixels."""
+
+    largest: float = 0.0
+    magnitude: float = 0.0
+    changed: int = 0
+    pixels: int = 0
+
+    def add(self, reference: np.ndarray, logits: np.ndarray, classes: np.ndarray | None = None) -> None:
+        """Count one image; reference, logits float32 (C, H, W); classes uint8 (H, W), by default those of `logits`.
+
+        Raises ValueError if the shapes differ, or a logit is no number.
+        """
+        if reference.shape != logits.shape:
+            raise ValueError(f"logits: shape {logits.shape}, expected {reference.shape}")
+        classes = logits.argmax(axis=0) if classes is None else classes
+        off = float(np.abs(logits - reference).max())
+        if not np.isfinite(off):
+            raise ValueError("logits: infinite or not a number")
+        self.largest, self.magnitude = max(self.largest, off), max(self.magnitude, float(np.abs(reference).max()))
+        self.changed += int((classes != reference.argmax(axis=0)).sum())
+        self.pixels += classes.size
+
+    @property
+    def changed_percent(self) -> float:
+        """Share of the pixels that are of another class, in percent."""
+        return 100 * self.changed / self.pixels

@@ -3,15 +3,29 @@
 import itertools
 import statistics
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import pandas as pd
 
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.weights import Model
-from foggy_synscapes.tables.numbers import signed
+from foggy_synscapes.tables.table import MISSING, signed
 from foggy_synscapes.training import loop
 from foggy_synscapes.training.learner import Arithmetic
 from foggy_synscapes.training.loader import Sample, Samples
 from foggy_synscapes.training.policy import Policy
+
+# Columns of the CSV file, and their heads where people read them.
+COSTS = {
+    "network": "Network",
+    "row": "Row",
+    "images": "Images",
+    "iterations": "Iterations",
+    "cpu_seconds_per_iteration": "CPU s per iteration",
+    "cpu_minutes": "CPU minutes",
+    "miou": "mIoU",
+}
 
 
 @dataclass(frozen=True)
@@ -58,6 +72,16 @@ def seconds_per_step(model: Model, policy: Policy, arithmetic: Arithmetic, sampl
     return statistics.median(after - before for before, after in itertools.pairwise(times[1:-1]))
 
 
+def table(measured: Sequence[Cost]) -> pd.DataFrame:
+    """One line of text per fine-tuning, by `COSTS`."""
+    lines = [
+        (one.network, one.row, str(one.images), str(one.iterations), f"{one.seconds:.3f}", f"{one.minutes:.2f}",
+         MISSING if one.miou is None else f"{one.miou:.2f}")
+        for one in measured
+    ]  # fmt: skip
+    return pd.DataFrame(lines, columns=list(COSTS))
+
+
 def caption(steps: int, test_set: str) -> str:
     """What the table shows, and how its times came about."""
     return (
@@ -77,7 +101,7 @@ def paragraph(costs: list[Cost]) -> str:
         bought = (
             "one of them was not scored"
             if less.miou is None or more.miou is None
-            else f"mean IoU changes by {signed(more.miou - less.miou, 2)} points"
+            else f"mean IoU changes by {signed(more.miou - less.miou, 2)} points, of one seed and without an interval"
         )
         text.append(
             f"{NETWORKS[network].title}: {more.row} ({more.images:,} images) takes "
