@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -129,7 +130,7 @@ def test_foggy_cityscapes_belongs_to_cityscapes(here: Path) -> None:
 
 def test_foggy_driving_is_complete(here: Path) -> None:
     root = HERE / "foggy_driving"
-    pairs = foggy_driving.pairs(root)
+    pairs = foggy_driving.DATASET.tested(root, None, None)
     assert len(pairs) == 8
     for image, labels in pairs:
         ids = read_ids(root / labels)
@@ -147,9 +148,9 @@ def test_list_files_are_named_as_the_real_ones(here: Path, real_data: Path) -> N
 
 def test_foggy_zurich_is_complete(here: Path) -> None:
     root = HERE / "foggy_zurich"
-    pairs = foggy_zurich.pairs(root, "testv2")
-    assert len(pairs) == 5
-    assert foggy_zurich.pairs(root, "testv1") == pairs[:2]
+    versions = (SimpleNamespace(zurich_list=version) for version in ("testv2", "testv1"))
+    pairs, first = (foggy_zurich.DATASET.tested(root, None, version) for version in versions)
+    assert (len(pairs), first) == (5, pairs[:2])
     for image, labels in pairs:
         assert read_rgb(root / image).shape == (36, 64, 3)
         train_ids = read_ids(root / labels.replace("gt_labelIds", "gt_labelTrainIds"))

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import check_name, named, read_json
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.names import check_name
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import read_csv, write_csv
 
@@ -27,12 +27,10 @@ def read_index(*paths: Path) -> dict[str, str]:
     """
     hashes: dict[str, str] = {}
     for path in paths:
-        for row in read_csv(path, COLUMNS):
-            try:
+        with named(path, "index"):
+            for row in read_csv(path, COLUMNS):
                 check_name(row["path"])
-            except ValueError as error:
-                raise FoggyError(f"{path}: {error}; it leads out of the dataset's folder") from error
-            hashes[row["path"]] = row["sha256"]
+                hashes[row["path"]] = row["sha256"]
     return hashes
 
 
@@ -106,8 +104,8 @@ def _stamp(file: Path) -> list[int]:
 def _read_cache(path: Path) -> dict[str, list]:
     # The cache only saves time: one that cannot be read is as good as none.
     try:
-        cache = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        cache = read_json(path)
+    except FoggyError:
         return {}
     return cache if isinstance(cache, dict) else {}
 

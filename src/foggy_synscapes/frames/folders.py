@@ -1,11 +1,7 @@
 """Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
 
-import ctypes
-import signal
-from collections import deque
 from collections.abc import Generator
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -16,14 +12,12 @@ from foggy_synscapes.frames import rendering
 from foggy_synscapes.frames.finding import Frame
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.images import is_whole_png, read_rgb
+from foggy_synscapes.io.processes import in_processes
 
 Light = tuple[int, int, int, int, int]
 """Row of the airlight table without its id: red, green, blue, row, column."""
 
 WRITERS = 8
-PR_SET_PDEATHSIG = 1  # sys/prctl.h
-
-AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
 
 
 @dataclass(frozen=True)
@@ -71,27 +65,14 @@ def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, L
 
     Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
     """
-    tasks = ((frame, job, known.get(frame.id)) for frame in frames)
-    processes = min(processes, len(frames))
-    if processes <= 1:
-        rendering.keep_memory()
-        yield from (fog_frame(*task) for task in tasks)
-        return
-    pool = ProcessPoolExecutor(processes, initializer=_begin)
-    waiting: deque = deque()
-    try:
-        for task in tasks:
-            waiting.append(pool.submit(fog_frame, *task))
-            if len(waiting) > AHEAD * processes:
-                yield waiting.popleft().result()
-        while waiting:
-            yield waiting.popleft().result()
-    except BrokenProcessPool as error:
-        raise FoggyError(
-            "a process was killed, perhaps for lack of memory. Use fewer --jobs and run the same command to go on."
-        ) from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    tasks = [(frame, job, known.get(frame.id)) for frame in frames]
+    yield from in_processes(
+        _fog_frame, tasks, min(processes, len(frames)), lambda task: f"frame {task[0].id}", rendering.keep_memory
+    )
+
+
+def _fog_frame(task: tuple[Frame, Job, Light | None]) -> Done:
+    return fog_frame(*task)
 
 
 def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
@@ -165,13 +146,3 @@ def changed(path: Path) -> int:
 def _is_right(path: Path, newest: int) -> bool:
     """Whether an image was finished by an earlier run, after its inputs were last changed."""
     return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
-
-
-def _begin() -> None:
-    """What a process does first."""
-    rendering.keep_memory()
-    # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    library = ctypes.CDLL(None)
-    if hasattr(library, "prctl"):  # Linux: a killed first process would leave the others waiting for ever
-        library.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

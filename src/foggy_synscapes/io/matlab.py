@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, check_plain
 
 
 def read_parameters(path: str | Path) -> dict[str, np.ndarray]:
@@ -51,6 +52,7 @@ def read_parameters(path: str | Path) -> dict[str, np.ndarray]:
                     keep(key, item[key][()].T)
 
     try:
+        check_plain(path, "MATLAB file", LARGEST_WEIGHTS)
         with h5py.File(path, "r") as file:
 
             def _cells(data: Any) -> list[Any]:

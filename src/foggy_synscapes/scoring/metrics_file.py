@@ -1,10 +1,9 @@
 """Reading the metrics files of runs."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, read_json
 from foggy_synscapes.scoring.metrics import check
 
 
@@ -16,15 +15,10 @@ def read_scores(path: Path) -> dict[str, Any] | None:
     FoggyError
         If the file is damaged, or holds the scores of other classes.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
+    if not path.exists():
         return None
-    except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(f"{path}: cannot be read: {error}") from error
-    try:
-        document = json.loads(text)
+    advice = "Was it made by `foggy evaluate`? Run that again."
+    document = read_json(path, "file of metrics", advice)
+    with named(path, "file of metrics", advice):
         check(document)
-    except ValueError as error:
-        raise FoggyError(f"{path}: {error}. Was it made by `foggy evaluate`? Run that again.") from error
     return document

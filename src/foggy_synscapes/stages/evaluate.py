@@ -11,6 +11,7 @@ from foggy_synscapes.datasets.index import expect, read_index
 from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
 from foggy_synscapes.io.progress import progress
@@ -130,7 +131,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         )
     run = Run(this)
     try:
-        model = load_model(source.read_bytes())
+        model = load_model(read_bytes(source, "model", limit=LARGEST_WEIGHTS))
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     if model.config.classes != len(CLASSES):

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from foggy_synscapes.datasets.calibration import calibration_images
+from foggy_synscapes.datasets.pairs import calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.params import load
 from foggy_synscapes.results import FOG, LIST, MODEL, roots, run_file
 
@@ -104,9 +105,7 @@ def export(
     from foggy_synscapes.tradeoff.quantize import to_int8
 
     try:
-        model = load_model(source.read_bytes())
-    except OSError as error:
-        raise FoggyError(f"{source}: the model cannot be read: {error.strerror}") from error
+        model = load_model(read_bytes(source, "model", limit=LARGEST_WEIGHTS))
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     try:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, check_plain, named
 from foggy_synscapes.io.matlab import read_parameters
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.importers.layouts import layouts
@@ -104,6 +105,8 @@ def _read(path: Path) -> dict[str, "Tensor"]:
 
     from foggy_synscapes.networks.importers import matconvnet
 
+    with named(path, "file of weights"):
+        check_plain(path, "file of weights", LARGEST_WEIGHTS)
     if path.suffix == ".mat":
         return matconvnet.tensors(read_parameters(path))
     try:
@@ -112,8 +115,6 @@ def _read(path: Path) -> dict[str, "Tensor"]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             content = torch.load(path, map_location="cpu", weights_only=True)
-    except OSError as error:
-        raise FoggyError(f"{path}: cannot be read: {error.strerror or error}") from error
     except pickle.UnpicklingError as error:
         raise FoggyError(
             f"{path}: holds more than tensors, and reading it would run code in it; it was not run. "

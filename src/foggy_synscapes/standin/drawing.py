@@ -2,14 +2,16 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.files import read_json
 from foggy_synscapes.io.images import encode_depth, encode_png
+from foggy_synscapes.io.processes import in_processes
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.standin.layouts.layout import Files, Frame
 
@@ -27,10 +29,10 @@ class Made:
         self.files: dict[str, list[int]] = {}
         # The record only saves time: one that cannot be read, or of other params, is as good as none.
         try:
-            document = json.loads(path.read_text(encoding="utf-8"))
+            document = read_json(path)
             if document["fingerprint"] == fingerprint:
                 self.files = document["files"]
-        except (OSError, ValueError, KeyError, TypeError):
+        except (FoggyError, KeyError, TypeError):
             pass
 
     def has(self, paths: Iterable[str]) -> bool:
@@ -86,11 +88,7 @@ def encode(path: str, content: np.ndarray | dict[str, Any] | bytes) -> bytes:
 
 
 def _rendered(frames: list[Frame], jobs: int) -> Iterator[list[tuple[str, bytes]]]:
-    if jobs == 1 or len(frames) < 2:
-        yield from map(_files, frames)
-        return
-    with ProcessPoolExecutor(min(jobs, len(frames))) as pool:
-        yield from pool.map(_files, frames, chunksize=4)
+    yield from in_processes(_files, frames, min(jobs, len(frames)), lambda frame: frame.paths()[0])
 
 
 def _files(frame: Frame) -> list[tuple[str, bytes]]:
