@@ -29,7 +29,10 @@ def composite(data: bytes, read: Callable[[str, str], bytes], called: str) -> np
             raise ValueError(f"expected {', '.join(KEYS)}")
         (rgb, rgb_sha256), (depth, depth_sha256) = recipe["inputs"]
         clear = rendering.read_clear(read(rgb, rgb_sha256), read(depth, depth_sha256), rgb, depth)
-        pixels = pixels_of(clear, recipe)
+        try:
+            pixels = pixels_of(clear, recipe)
+        except FoggyError as error:
+            raise FoggyError(f"{called}: {error}") from error
     if sha256_bytes(pixels.data) != recipe["pixels"]:
         raise FoggyError(
             f"{called}: other pixels come out than when the recipe was written. Has the code of fog changed? "

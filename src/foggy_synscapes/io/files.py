@@ -88,7 +88,7 @@ def read_json(path: str | Path, what: str = "JSON file", advice: str = "", limit
 def parse_json(data: bytes, name: object, what: str = "JSON file", advice: str = "") -> Any:
     """What JSON text in UTF-8 holds; FoggyError, calling it `name`, if it is none or has a key twice in an object."""
     with named(name, what, advice):
-        return json.loads(data.decode("utf-8"), object_pairs_hook=_once)
+        return json.loads(data.decode("utf-8-sig"), object_pairs_hook=_once)
 
 
 def number(value: object) -> float:

@@ -25,9 +25,11 @@ from foggy_synscapes.io.files import named, read_bytes
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 JPEG, START_OF_SCAN, END_OF_IMAGE = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"  # ITU-T T.81, table B.1
-SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}  # of a pixel, by colour type
-KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
 GREY, RGB = 0, 2
+KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
+SAMPLES = {GREY: 1, RGB: 3}  # of a pixel
+# First row and column, and steps, of the passes of an interlaced image (PNG specification, section 8.2).
+ADAM7 = (0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1)
 LARGEST = 100_000_000  # pixels; a header that claims more is an attack or an accident
 LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "HTJ2K32", "HTJ2K256", "ZSTD")  # compressions of EXR
 AGAIN = "Fetch or make the file again."
@@ -198,16 +200,26 @@ def _checked_header(data: bytes, name: str) -> PngHeader:
         if kind == b"IDAT":
             rows.append(view[at + 8 : end])
         at = end + 4
-    stream = isal_zlib.decompressobj()
-    longest = header.height * (1 + (header.width * header.bits * SAMPLES.get(header.kind, 4) + 7) // 8)
+    if header.kind not in SAMPLES:
+        return header
+    expected, stream = _size_of_rows(header, data[28]), isal_zlib.decompressobj()
     try:
-        # libspng stops at the last row and never sees the stream's checksum. An interlaced image has more filter bytes.
-        stream.decompress(b"".join(rows), 2 * longest + 64)
+        # libspng stops at the last row and never sees the checksum of the stream.
+        size = len(stream.decompress(b"".join(rows), expected + 1))
     except igzip_lib.IsalError as error:
         raise FoggyError(f"{name}: cannot be decoded: {error}. {AGAIN}") from error
-    if not stream.eof:
-        raise FoggyError(f"{name}: cannot be decoded: its rows have no end. {AGAIN}")
+    if size != expected or not stream.eof:
+        raise FoggyError(f"{name}: cannot be decoded: its rows end too early or too late. {AGAIN}")
     return header
+
+
+def _size_of_rows(header: PngHeader, interlaced: int) -> int:
+    """Bytes of the deflated rows, each with the number of its filter."""
+    bits, total = header.bits * SAMPLES[header.kind], 0
+    for top, left, down, right in ADAM7 if interlaced else ((0, 0, 1, 1),):
+        rows, columns = len(range(top, header.height, down)), len(range(left, header.width, right))
+        total += rows * (1 + (columns * bits + 7) // 8) if columns else 0
+    return total
 
 
 def _read_png(data: bytes, name: str, bits: int, kind: int, hint: str) -> np.ndarray:

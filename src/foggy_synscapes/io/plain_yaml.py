@@ -53,7 +53,10 @@ def _scalars(node: yaml.Node) -> Iterator[yaml.Node]:
 
 
 def _is_odd(node: yaml.Node) -> bool:
-    return isinstance(node, yaml.ScalarNode) and node.tag not in WORDS and PLAIN.fullmatch(node.value) is None
+    """Whether a value is neither a word nor what is written plainly; one in quotes that is no word has a tag."""
+    if not isinstance(node, yaml.ScalarNode) or node.tag in WORDS:
+        return False
+    return node.style is not None or PLAIN.fullmatch(node.value) is None
 
 
 def read_yaml(path: str | Path) -> Any:

@@ -103,7 +103,9 @@ def _places(file: IO[bytes]) -> dict[str, tuple[int, int]]:
         with tarfile.open(fileobj=_Headers(file), mode="r:") as tar:
             for entry in tar:
                 check_name(entry.name)
-                if entry.type not in (tarfile.REGTYPE, tarfile.AREGTYPE) or entry.pax_headers:
+                plain = entry.type in (tarfile.REGTYPE, tarfile.AREGTYPE)
+                # One header of 512 bytes: longer ones are extensions, which may give other names and sizes.
+                if not plain or tar.pax_headers or entry.offset_data - entry.offset != tarfile.BLOCKSIZE:
                     raise ValueError(f"{entry.name} is a link, a folder or of another kind, expected plain files only")
                 if places and entry.name <= next(reversed(places)):
                     raise ValueError(f"member {entry.name} after {next(reversed(places))}, expected each once, sorted")

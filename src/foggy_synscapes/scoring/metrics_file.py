@@ -1,5 +1,6 @@
 """Reading the metrics files of runs."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ def read_scores(path: Path) -> dict[str, Any] | None:
     FoggyError
         If the file is damaged, or holds the scores of other classes.
     """
-    if not path.exists():
+    if not os.path.lexists(path):
         return None
     advice = "Was it made by `foggy evaluate`? Run that again."
     document = read_json(path, "file of metrics", advice)

@@ -1,6 +1,7 @@
 """`foggy weights import`: public weights as start weights or models of this project."""
 
 import argparse
+import io
 import pickle
 import warnings
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
-from foggy_synscapes.io.files import LARGEST_WEIGHTS, check_plain, named
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, named, read_bytes
 from foggy_synscapes.io.matlab import read_parameters
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.importers.layouts import layouts
@@ -105,23 +106,22 @@ def _read(path: Path) -> dict[str, "Tensor"]:
 
     from foggy_synscapes.networks.importers import matconvnet
 
-    with named(path, "file of weights"):
-        check_plain(path, "file of weights", LARGEST_WEIGHTS)
     if path.suffix == ".mat":
         return matconvnet.tensors(read_parameters(path))
+    data = read_bytes(path, "file of weights", limit=LARGEST_WEIGHTS)
     try:
-        if path.suffix == ".safetensors":
-            return safetensors.torch.load_file(path)
-        with warnings.catch_warnings():
+        with named(path, "file of weights", "Is it whole?"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            content = torch.load(path, map_location="cpu", weights_only=True)
+            if path.suffix == ".safetensors":
+                return safetensors.torch.load(data)
+            content = torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
     except pickle.UnpicklingError as error:
         raise FoggyError(
             f"{path}: holds more than tensors, and reading it would run code in it; it was not run. "
             f"Save its state_dict alone, or as safetensors ({str(error).splitlines()[0]})"
         ) from error
-    except (SafetensorError, RuntimeError, EOFError, ValueError, KeyError) as error:
-        raise FoggyError(f"{path}: not a whole file of weights ({str(error).splitlines()[0]})") from error
+    except (SafetensorError, RuntimeError, EOFError) as error:
+        raise FoggyError(f"{path}: not a whole file of weights: {error}") from error
     return _tensors(content, path)
 
 
