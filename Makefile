@@ -4,10 +4,11 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CORES ?= 2
 KILLS ?= 50
+INPUTS ?= 5000
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update repro test reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main update repro test fuzz reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -38,6 +39,10 @@ reads: $(READY)
 # Whether clean runs give the same bytes on other cores, in other folders, time zones and languages.
 same-bytes: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/same_bytes.py
+
+# Files that are wrong in every way, given to every reader: INPUTS of them, with counts of what became of them.
+fuzz: $(READY)
+	@$(BIN)/python tests/long/fuzz.py $(INPUTS)
 
 # Kills at random moments (KILLS of them), a full disk, no memory, a wrong clock, two engines at once; as root, for mounts.
 faults: $(READY)

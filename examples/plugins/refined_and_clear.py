@@ -4,8 +4,7 @@ This file's name is the key under `subset` in the params that holds the rows of 
 """
 
 from foggy_synscapes.subsets import clear, partial
-from foggy_synscapes.subsets.kind import FoggyRow, Kind, Lists
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import FoggyRow, Kind, Lists, Sources
 
 
 class RefinedAndClearRow(FoggyRow):

@@ -51,6 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     if word not in words:
         return _fail(UsageError(f"foggy {word}: no such command; there are {', '.join(words)}. Try `foggy --help`."))
+    os.environ["MPLBACKEND"] = "agg"  # drawings go to files; that of a notebook or another machine may not exist here
     stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
     parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
     parser.add_argument(

@@ -14,6 +14,9 @@ import numba
 if numba.config.CPU_FEATURES is None and platform.machine() == "x86_64":
     numba.config.CPU_FEATURES = llvmlite.binding.get_host_cpu_features().flatten() + ",-prefer-256-bit"
 
+# The loops hold instructions that only a compiler understands: switched off for the debugger, nothing would run.
+numba.config.DISABLE_JIT = 0
+
 
 def jit(function: Callable) -> Callable:
     """Compile a function of arrays and numbers; in each process anew where machine code can be kept nowhere."""

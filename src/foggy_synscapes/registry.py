@@ -13,11 +13,13 @@ from types import ModuleType
 from typing import Generic, TypeVar
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import read_bytes
 
 PACKAGE = "foggy_synscapes"
 PLUGINS = "foggy_plugins"
 """Package under whose name the modules of the plugin folder are imported."""
 FOLDER = Path(__file__).resolve().parent
+LARGEST_MODULE = 1 << 20  # bytes
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 Entry = TypeVar("Entry")
@@ -75,7 +77,8 @@ class Registry(Generic[Entry]):
         return own | added
 
     def _declares(self, path: Path) -> bool:
-        return self._declaration.search(path.read_text(encoding="utf-8")) is not None
+        text = read_bytes(path, "Python module", limit=LARGEST_MODULE).decode("utf-8", "replace")
+        return self._declaration.search(text) is not None
 
 
 _plugins: list[Path] = []

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from foggy_synscapes.datasets.calibration import calibration_images
+from foggy_synscapes.datasets.pairs import calibration_images
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.tables import write_csv

@@ -174,7 +174,7 @@ def test_a_graph_that_computes_something_else_is_not_written(here: Path, models,
 @pytest.mark.parametrize(
     ("options", "status", "message"),
     [
-        (["--model", "none.safetensors", "--out", "m.onnx"], 1, "the model cannot be read"),
+        (["--model", "none.safetensors", "--out", "m.onnx"], 1, "none.safetensors: missing"),
         (["--model", "list.csv", "--out", "m.onnx"], 1, "no whole safetensors file"),
         (["--model", "m.safetensors", "--out", "m.tflite"], 2, "expected a name that ends in .onnx"),
         (["--model", "m.safetensors", "--out", "m.onnx", "--format", "tflite"], 2, "invalid choice"),

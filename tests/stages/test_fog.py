@@ -164,7 +164,11 @@ def spoil(root: Path, what: str) -> str:
         ),
         "nan": (depth, encode_depth(np.where(metres == 8000, np.nan, metres).astype("f4")), "not a number"),
         "meta": (meta, b"{}", r"meta/2\.json: camera\.intrinsic\.fx missing"),
-        "meta without end": (meta, camera_json().replace(": 40,", ": Infinity,").encode(), r"2\.json: .*infinity"),
+        "meta without end": (
+            meta,
+            camera_json().replace(": 40,", ": Infinity,").encode(),
+            r"2\.json: .*inf, expected a finite",
+        ),
         "meta of half a pixel": (meta, camera_json().replace(": 40,", ": 40.5,").encode(), r"2\.json: .*resx is 40\.5"),
         "far meta": (meta, camera_json().replace("44.0", "1e200").encode(), r"2\.json: .*fx is 1e\+200"),
         "size": (meta, camera_json(Camera(44, 45, 20, 11, 41, 24)).encode(), r"2\.json: its camera has 41 x 24 pixels"),
@@ -172,7 +176,7 @@ def spoil(root: Path, what: str) -> str:
     if what in ("rgb", "depth", "meta file"):
         path = {"rgb": rgb, "depth": depth, "meta file": meta}[what]
         path.unlink()
-        return rf"{path.name}: missing \(frame 2\)"
+        return rf"{path.name}: missing"
     if what == "no Z":
         OpenEXR.File({}, {"Y": metres}).write(str(depth))
         return r"img/depth/2\.exr: channel Y, expected 1 named Z"
@@ -271,7 +275,7 @@ def test_what_is_finished_is_kept_and_what_is_not_right_is_made_again(root: Path
     whole = tree(out)
     assert fog(root, out, *again) == 0
     assert "0 images made, 6 kept" in capsys.readouterr().out
-    # Gone, cut off, and of an image that was changed since.
+    # Gone, cut off, and of an image of which only the time changed.
     (out / "beta_0.01/foggy_img/00001_beta_0.01.png").unlink()
     cut = out / "beta_0.02/foggy_img/00002_beta_0.02.png"
     cut.write_bytes(cut.read_bytes()[:99])
@@ -279,8 +283,8 @@ def test_what_is_finished_is_kept_and_what_is_not_right_is_made_again(root: Path
     later = time.time() + 5
     os.utime(root / "img/rgb/3.png", (later, later))
     assert fog(root, out, *again) == 0
-    assert "4 images made, 2 kept" in capsys.readouterr().out
-    assert tree(out) == whole
+    assert "2 images made, 4 kept" in capsys.readouterr().out
+    assert tree(out) == whole  # the table of airlight too
 
 
 def test_a_changed_image_gets_new_fog_and_a_new_airlight(root: Path, tmp_path: Path) -> None:
@@ -333,16 +337,16 @@ def test_help_needs_no_numba(tmp_path: Path) -> None:
     assert "1/m" in done.stdout
 
 
-def test_a_folder_made_of_other_frames_or_another_camera_is_refused(root: Path, tmp_path: Path, capsys) -> None:
+def test_the_same_frames_may_lie_elsewhere_but_not_be_of_another_camera(root: Path, tmp_path: Path, capsys) -> None:
     other = write_frames(tmp_path / "other", 3)
     assert fog(root, tmp_path / "out") == 0
     before = tree(tmp_path / "out")
-    assert "frames was" in failure(capsys, fog(other, tmp_path / "out"))
+    assert fog(other, tmp_path / "out") == 0
+    assert "0 images made, 3 kept" in capsys.readouterr().out
     camera = tmp_path / "camera.json"
     camera.write_text(camera_json())
     error = failure(capsys, fog(root, tmp_path / "out", "--camera", str(camera)))
     assert "camera was meta files, now one file" in error
-    assert "frames was" not in error
     assert tree(tmp_path / "out") == before
 
 

@@ -293,7 +293,7 @@ def recipe_with(**changed: object) -> bytes:
     [
         ({"pixels": "0" * 64}, "other pixels come out than when the recipe was written"),
         ({"beta": "0.01"}, "other pixels come out"),
-        ({"haze": 1}, "no recipe of a foggy image: expected airlight, beta"),
+        ({"haze": 1}, "not a readable recipe of a foggy image: expected airlight, beta"),
         ({"inputs": [["synscapes:../../etc/passwd", "0"], ["synscapes:img/depth/1.exr", "0"]]}, "not the name of an"),
         ({"inputs": [["synscapes:img/rgb/1.png", "0"], ["synscapes:img/depth/1.exr", "0"]]}, "changed since it was"),
     ],
@@ -305,7 +305,7 @@ def test_a_recipe_that_was_altered_is_refused(params: Params, changed: dict, sai
 
 
 def test_what_is_no_json_is_no_recipe(params: Params) -> None:
-    with pytest.raises(FoggyError, match="fog:a: no recipe of a foggy image"):
+    with pytest.raises(FoggyError, match="fog:a: not a readable recipe of a foggy image"):
         composite(b"\x89PNG", reader().read, "fog:a")
 
 

@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -129,7 +130,7 @@ def test_foggy_cityscapes_belongs_to_cityscapes(here: Path) -> None:
 
 def test_foggy_driving_is_complete(here: Path) -> None:
     root = HERE / "foggy_driving"
-    pairs = foggy_driving.pairs(root)
+    pairs = foggy_driving.DATASET.tested(root, None, None)
     assert len(pairs) == 8
     for image, labels in pairs:
         ids = read_ids(root / labels)
@@ -137,7 +138,7 @@ def test_foggy_driving_is_complete(here: Path) -> None:
         assert read_rgb(root / image).shape[:2] == ids.shape
         assert (ids == 0).any() == ("gtCoarse" in labels)
     fine = (root / "lists_file_names/leftImg8bit_testfine_filenames.txt").read_text().split()
-    assert fine == [image for image, labels in pairs if "gtFine" in labels]
+    assert sorted(fine) == [image for image, labels in pairs if "gtFine" in labels]
 
 
 def test_list_files_are_named_as_the_real_ones(here: Path, real_data: Path) -> None:
@@ -147,9 +148,10 @@ def test_list_files_are_named_as_the_real_ones(here: Path, real_data: Path) -> N
 
 def test_foggy_zurich_is_complete(here: Path) -> None:
     root = HERE / "foggy_zurich"
-    pairs = foggy_zurich.pairs(root, "testv2")
-    assert len(pairs) == 5
-    assert foggy_zurich.pairs(root, "testv1") == pairs[:2]
+    versions = (SimpleNamespace(zurich_list=version) for version in ("testv2", "testv1"))
+    pairs, first = (foggy_zurich.DATASET.tested(root, None, version) for version in versions)
+    assert (len(pairs), len(first)) == (5, 2)
+    assert set(first) < set(pairs)
     for image, labels in pairs:
         assert read_rgb(root / image).shape == (36, 64, 3)
         train_ids = read_ids(root / labels.replace("gt_labelIds", "gt_labelTrainIds"))
@@ -209,7 +211,7 @@ def test_a_real_root_is_read_and_never_written(made: Path, tmp_path: Path, monke
         ("synscapes", "img/depth/3.exr", r"frame 3 lacks img/depth/3\.exr"),
         ("cityscapes", "gtFine/train/aachen/aachen_000001_000019_gtFine_labelIds.png", "labelIds.png: missing"),
         ("foggy_cityscapes", "foggy_trainval_refined_filenames.txt", "scenes.refined_list"),
-        ("foggy_driving", "lists_file_names/gt_testall_filenames.txt", "list file cannot be read"),
+        ("foggy_driving", "lists_file_names/gt_testall_filenames.txt", r"gt_testall_filenames\.txt: missing"),
         ("foggy_zurich", "RGB/GP010229/1508040913.0_frame_000010.png", "missing"),
     ],
 )

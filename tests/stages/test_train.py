@@ -226,7 +226,7 @@ def test_a_file_that_vanishes_while_it_trains_is_named(project, monkeypatch, cap
         Path("results/scenes/cityscapes/image_2.png").unlink(missing_ok=True)
 
     monkeypatch.setattr(pairs.PairDataset, "__init__", vanish)
-    refused(capsys, "image_2.png", "cannot be read")
+    refused(capsys, "image_2.png: missing. It was there when it was listed.")
 
 
 def test_memory_that_does_not_do_names_the_setting(project, monkeypatch, capsys):

@@ -10,36 +10,12 @@ from typing import Any
 from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.errors import FoggyError
 
-IMAGE = "leftImg8bit/{frame}_leftImg8bit.png"
-LABELS = "gtFine/{frame}_gtFine_labelIds.png"
-INSTANCES = "gtFine/{frame}_gtFine_instanceIds.png"
-DISPARITY = "disparity/{frame}_disparity.png"
-CAMERA = "camera/{frame}_camera.json"
-
-
-def image(frame: str) -> str:
-    """Path of the image below the root."""
-    return IMAGE.format(frame=frame)
-
-
-def labels(frame: str) -> str:
-    """Path of the labelIds below the root."""
-    return LABELS.format(frame=frame)
-
-
-def instances(frame: str) -> str:
-    """Path of the instance ids below the root."""
-    return INSTANCES.format(frame=frame)
-
-
-def disparity(frame: str) -> str:
-    """Path of the 16-bit disparity, (value - 1) / 256 pixels, 0 where missing, below the root."""
-    return DISPARITY.format(frame=frame)
-
-
-def camera(frame: str) -> str:
-    """Path of the camera file below the root."""
-    return CAMERA.format(frame=frame)
+# Paths below the root, by the name of a frame.
+image = "leftImg8bit/{}_leftImg8bit.png".format
+labels = "gtFine/{}_gtFine_labelIds.png".format
+instances = "gtFine/{}_gtFine_instanceIds.png".format
+disparity = "disparity/{}_disparity.png".format  # 16-bit, (value - 1) / 256 pixels, 0 where missing
+camera = "camera/{}_camera.json".format
 
 
 def frames(paths: Iterable[str], split: str) -> list[str]:

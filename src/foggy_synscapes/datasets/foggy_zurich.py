@@ -4,27 +4,10 @@ Its ground truth has no train class. testv2 names 40 images, testv1 16.
 Source: Dai, Sakaridis, Hecker and Van Gool, Curriculum Model Adaptation, IJCV 2020.
 """
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from foggy_synscapes.datasets.lists import listed
 
-from foggy_synscapes.datasets.dataset import Dataset
-from foggy_synscapes.datasets.lists import paired, read_list
-
-
-def image(name: str) -> str:
-    """Path of an image, e.g. of `GP010229/1508040913.0_frame_000955`, below the root."""
-    return f"RGB/{name}.png"
-
-
-def labels(name: str) -> str:
-    """Path of the labelIds below the root."""
-    return f"gt_labelIds/{name}.png"
-
-
-def train_labels(name: str) -> str:
-    """Path of the trainIds below the root."""
-    return f"gt_labelTrainIds/{name}.png"
+# Paths below the root of image, labelIds and trainIds, by name, e.g. `GP010229/1508040913.0_frame_000955`.
+image, labels, train_labels = "RGB/{}.png".format, "gt_labelIds/{}.png".format, "gt_labelTrainIds/{}.png".format
 
 
 def list_path(kind: str, version: str = "testv2") -> str:
@@ -32,28 +15,9 @@ def list_path(kind: str, version: str = "testv2") -> str:
     return f"lists_file_names/{kind}_{version}_filenames.txt"
 
 
-def pairs(root: str | Path, version: str = "testv2", index: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
-    """(image, labelIds) paths below the root, as the dataset's own lists pair them; `index` as in `lists.read_text`."""
-    images, maps = (read_list(Path(root), list_path(kind, version), index) for kind in ("RGB", "gt_labelIds"))
-    return paired(images, maps, "Foggy Zurich")
-
-
-def files(root: Path, scenes: Any, _part: str) -> list[str]:
-    """The lists of images and labelIds of the chosen version, and what they name."""
-    version = scenes.zurich_list
-    lists = [list_path(kind, version) for kind in ("RGB", "gt_labelIds")]
-    return [*lists, *(path for pair in pairs(root, version) for path in pair)]
-
-
-def tested(root: Path, index: Mapping[str, str], scenes: Any) -> list[tuple[str, str]]:
-    """The images of the chosen version."""
-    return sorted(pairs(root, scenes.zurich_list, index))
-
-
-DATASET = Dataset(
-    title="Foggy Zurich-test",
-    short_title="Foggy Zurich",
-    files=files,
+DATASET = listed(
+    "Foggy Zurich-test",
+    "Foggy Zurich",
+    lambda scenes: (list_path("RGB", scenes.zurich_list), list_path("gt_labelIds", scenes.zurich_list)),
     settings=("scenes.zurich_list",),
-    test_pairs=tested,
 )

@@ -11,8 +11,9 @@ from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.checksums import Checksums
+from foggy_synscapes.io.files import LARGEST, check_name, check_plain, named, read_json
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.names import check_name
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import read_csv, write_csv
 
@@ -28,24 +29,25 @@ def read_index(*paths: Path) -> dict[str, str]:
     """
     hashes: dict[str, str] = {}
     for path in paths:
-        for row in read_csv(path, COLUMNS):
-            try:
+        with named(path, "index"):
+            for row in read_csv(path, COLUMNS):
                 check_name(row["path"])
-            except ValueError as error:
-                raise FoggyError(f"{path}: {error}; it leads out of the dataset's folder") from error
-            hashes[row["path"]] = row["sha256"]
+                hashes[row["path"]] = row["sha256"]
     return hashes
 
 
-def write_index(index: Path, root: Path, paths: Iterable[str]) -> None:
+def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checksums | None = None) -> None:
     """Hash the files and write their index, `DATASET/PART.csv`, sorted by path.
 
     A file whose size and modification time are those of the last time is not read again.
 
+    checksums : what the files have to be, by whoever made the dataset
+
     Raises
     ------
     FoggyError
-        If a file is missing, is not a plain file, or lies outside the root (through `..` or a link).
+        If a file is missing, is not a plain file of at most 512 MiB, lies outside the root (through `..` or a link), or
+        is not as `checksums` say.
     """
     name, cache_path = f"{index.parent.name}/{index.stem}", _cache_path(index)
     cache = read_cache(cache_path)
@@ -59,9 +61,12 @@ def write_index(index: Path, root: Path, paths: Iterable[str]) -> None:
             )
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
+        check_plain(file, "file of a dataset", LARGEST)
         found = stamp(file)
         known = cache.get(path)
         digest = known[1] if known and known[0] == found else sha256(file)
+        if checksums is not None and digest != (wanted := checksums.of(file)):
+            raise FoggyError(f"{file}: its sha256 is {digest[:12]}..., but {checksums.path} has {wanted[:12]}...")
         fresh[path] = [found, digest]
         rows.append((path, found[0], digest))
     write_csv(index, COLUMNS, rows)
@@ -107,8 +112,8 @@ def stamp(file: Path) -> list[int]:
 def read_cache(path: Path) -> dict[str, Any]:
     """Content of a file below `CACHE`. It only saves time: one that cannot be read is as good as an empty one."""
     try:
-        cache = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        cache = read_json(path)
+    except FoggyError:
         return {}
     return cache if isinstance(cache, dict) else {}
 

@@ -1,12 +1,17 @@
 """List files of the datasets: one relative path a line."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
+from foggy_synscapes.datasets.dataset import Dataset
 from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, read_bytes
 from foggy_synscapes.io.hashing import checked
 from foggy_synscapes.scoring.pairing import frame
+
+LARGEST_LIST = 16 << 20  # bytes; the lists of the datasets have some ten thousand
 
 
 def read_text(root: Path, name: str, index: Mapping[str, str] | None = None) -> str:
@@ -19,18 +24,13 @@ def read_text(root: Path, name: str, index: Mapping[str, str] | None = None) -> 
     FoggyError
         If the file is missing, no text, not in the index, or not as listed there.
     """
-    path = root / name
-    try:
-        data = path.read_bytes()
-        if index is not None:
-            expect(index, [name], root.name)
-            data = checked(data, index[name], str(path))
+    path, advice = root / name, "The dataset's own lists are needed; scenes.refined_list names Foggy Cityscapes'."
+    data = read_bytes(path, "list file", advice, LARGEST_LIST)
+    if index is not None:
+        expect(index, [name], root.name)
+        checked(data, index[name], str(path))
+    with named(path, "list file", advice):
         return data.decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(
-            f"{path}: the list file cannot be read: {error}. The dataset's own lists "
-            "are needed; scenes.refined_list names that of Foggy Cityscapes."
-        ) from error
 
 
 def read_list(root: Path, name: str, index: Mapping[str, str] | None = None) -> list[str]:
@@ -42,15 +42,15 @@ def read_list(root: Path, name: str, index: Mapping[str, str] | None = None) -> 
         Also if the list is empty, names a file twice, or a line is absolute or climbs out with `..`.
     """
     path, text = root / name, read_text(root, name, index)
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    for number, line in enumerate(lines, start=1):
-        if line.startswith("/") or "\\" in line or ".." in line.split("/"):
+    lines: dict[str, int] = {}
+    for number, line in enumerate(map(str.strip, text.split("\n")), start=1):
+        if line.startswith("/") or set(line) & {"\\", "\0"} or ".." in line.split("/"):
             raise FoggyError(f"{path}, line {number}: {line[:80]!r} leads out of the dataset's folder")
-        if line in lines[: number - 1]:
+        if line and lines.setdefault(line, number) != number:
             raise FoggyError(f"{path}, line {number}: {line[:80]!r} stands there twice")
     if not lines:
         raise FoggyError(f"{path}: names no file")
-    return lines
+    return list(lines)
 
 
 def paired(images: list[str], labels: list[str], name: str) -> list[tuple[str, str]]:
@@ -61,3 +61,21 @@ def paired(images: list[str], labels: list[str], name: str) -> list[tuple[str, s
         if Path(frame(image)).name != Path(frame(label)).name:
             raise FoggyError(f"{name}: line {number} of its lists names {image}, but labels of another frame: {label}")
     return list(zip(images, labels, strict=True))
+
+
+def listed(
+    title: str, short_title: str, lists: Callable[[Any], tuple[str, str]], settings: tuple[str, ...] = ()
+) -> Dataset:
+    """A dataset of test images that two lists of its own pair with their labelIds.
+
+    lists : paths below the root, of the images' list and of the label maps', by the params section scenes
+    """
+
+    def pairs(root: Path, index: Mapping[str, str] | None, scenes: Any) -> list[tuple[str, str]]:
+        images, labels = (read_list(root, name, index) for name in lists(scenes))
+        return sorted(paired(images, labels, short_title))
+
+    def files(root: Path, scenes: Any, _part: str) -> list[str]:
+        return [*lists(scenes), *(path for pair in pairs(root, None, scenes) for path in pair)]
+
+    return Dataset(title, short_title, files, settings=settings, test_pairs=pairs)

@@ -1,6 +1,6 @@
 """The images and label maps of a list of `subset`, decoded and checked."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,9 +32,7 @@ class PairDataset:
     """
 
     def __init__(self, path: Path, reader: Reader, budget: int, composite: Composite) -> None:
-        self._rows = read_csv(path, COLUMNS)
-        if not self._rows:
-            raise FoggyError(f"{path}: lists no image")
+        self._rows = _rows(path, COLUMNS)
         self._reader, self._composite = reader, composite
         _check_encoding(reader, self._rows, path)
         self._memory: dict[int, Pair] = {}
@@ -59,12 +57,7 @@ class PairDataset:
         return self._rows[index]["image"]
 
     def _decode(self, row: Mapping[str, str]) -> Pair:
-        data = self._reader.read(row["image"], row["image_sha256"])
-        if row["image"].endswith(RECIPE):
-            image = self._composite(data, self._reader.read, row["image"])
-        else:
-            image = read_rgb(data, row["image"])
-        ids = read_ids(self._reader.read(row["label"], row["label_sha256"]), row["label"])
+        image, ids = _image(self._reader, row, self._composite), _ids(self._reader, row)
         if image.shape[:2] != ids.shape:
             raise FoggyError(
                 f"{row['label']}: {ids.shape[0]} x {ids.shape[1]} pixels, but {row['image']} has "
@@ -76,11 +69,38 @@ class PairDataset:
             raise FoggyError(str(error)) from error
 
 
+def calibration_images(path: Path, reader: Reader, count: int, composite: Composite) -> list[np.ndarray]:
+    """So many images of a list, spread evenly over it, to find the ranges of numbers that a network meets.
+
+    All where the list has fewer; uint8 (H, W, 3). Raises FoggyError as `PairDataset` does.
+    """
+    rows = _rows(path, COLUMNS[:2])
+    count = min(count, len(rows))
+    return [_image(reader, rows[number * len(rows) // count], composite) for number in range(count)]
+
+
+def _rows(path: Path, columns: Sequence[str]) -> list[dict[str, str]]:
+    rows = read_csv(path, columns)
+    if not rows:
+        raise FoggyError(f"{path}: lists no image")
+    return rows
+
+
+def _image(reader: Reader, row: Mapping[str, str], composite: Composite) -> np.ndarray:
+    uri = row["image"]
+    data = reader.read(uri, row["image_sha256"])
+    return composite(data, reader.read, uri) if uri.endswith(RECIPE) else read_rgb(data, uri)
+
+
+def _ids(reader: Reader, row: Mapping[str, str]) -> np.ndarray:
+    return read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])
+
+
 def _check_encoding(reader: Reader, rows: list[dict[str, str]], path: Path) -> None:
     """Refuse a list whose first maps hold no id that only labelIds have: one map alone need not tell, several do."""
     ids: set[int] = set()
     for row in rows[:FIRST]:
-        ids |= set(np.unique(read_ids(reader.read(row["label"], row["label_sha256"]), row["label"])).tolist())
+        ids |= set(np.unique(_ids(reader, row)).tolist())
         if encoding(ids) == "labelIds":
             return
     raise FoggyError(

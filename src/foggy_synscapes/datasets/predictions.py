@@ -2,14 +2,16 @@
 
 import os
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.images import read_ids
+from foggy_synscapes.io.processes import in_processes
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.scoring.pairing import is_other_map, named_encoding, pair
 from foggy_synscapes.scoring.tally import Tally
@@ -73,19 +75,13 @@ def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], j
     FoggyError
         If a file is damaged or no 8-bit grey PNG, or a prediction differs in size from its label map.
     """
-    batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
-    jobs = min(jobs, len(batches))
-    if jobs == 1:
-        return _count(labels, predictions, progress(pairs, "evaluate"))
     tally = Tally()
-    with ProcessPoolExecutor(jobs) as pool:
-        parts = pool.map(_count, [labels] * len(batches), [predictions] * len(batches), batches)
-        try:
-            for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
-                tally.merge(part)
-        except FoggyError:
-            pool.shutdown(cancel_futures=True)
-            raise
+    batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
+    count = partial(_count, labels, predictions)
+    parts = in_processes(count, batches, min(jobs, len(batches)), lambda batch: f"{labels / batch[0][0]} and next ones")
+    with closing(parts):
+        for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
+            tally.merge(part)
     return tally
 
 
@@ -110,7 +106,10 @@ def _png_files(folder: Path, what: str) -> list[str]:
     if not folder.is_dir():
         raise FoggyError(f"{folder}: no such folder of {what}")
     found, others = [], []
+    seen: dict[str, str] = {}
     for place, _, names in os.walk(folder, followlinks=True):
+        if (other := seen.setdefault(os.path.realpath(place), place)) != place:  # links may lead back, without end
+            raise FoggyError(f"{place}: is the same folder as {other}. Remove the link to it.")
         for name in names:
             relative = (Path(place) / name).relative_to(folder).as_posix()
             if name.startswith("."):

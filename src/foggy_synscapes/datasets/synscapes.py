@@ -3,15 +3,15 @@
 Source: Wrenninge and Unger, Synscapes: A Photorealistic Synthetic Dataset for Street Scene Parsing, 2018.
 """
 
-import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets.dataset import STAND_IN, Dataset
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import LARGEST_JSON, named, number, parse_json, read_bytes
 
 SCENE_KEYS = (
     "altitude_variation", "curb_height", "dist_bicyclists_mean", "dist_bicyclists_stddev", "dist_buses_mean",
@@ -24,6 +24,11 @@ SCENE_KEYS = (
 )  # fmt: skip
 """The scene properties of a meta file."""
 
+# Paths below the root, by the number of a frame: clear image, planar depth in metres, labelIds, instance ids
+# (R + 256 G + 65536 B) and meta file.
+rgb, depth, class_ = "img/rgb/{}.png".format, "img/depth/{}.exr".format, "img/class/{}.png".format
+instance, meta = "img/instance/{}.png".format, "meta/{}.json".format
+
 
 @dataclass(frozen=True)
 class Meta:
@@ -32,31 +37,6 @@ class Meta:
     camera: Camera
     scene: dict[str, float]
     instances: dict[str, Any]
-
-
-def rgb(frame: int) -> str:
-    """Path of the clear image below the root."""
-    return f"img/rgb/{frame}.png"
-
-
-def depth(frame: int) -> str:
-    """Path of the planar depth in metres below the root."""
-    return f"img/depth/{frame}.exr"
-
-
-def class_(frame: int) -> str:
-    """Path of the labelIds below the root."""
-    return f"img/class/{frame}.png"
-
-
-def instance(frame: int) -> str:
-    """Path of the instance ids (R + 256 G + 65536 B) below the root."""
-    return f"img/instance/{frame}.png"
-
-
-def meta(frame: int) -> str:
-    """Path of the meta file below the root."""
-    return f"meta/{frame}.json"
 
 
 def foggy_name(frame: int, beta: str) -> str:
@@ -105,12 +85,8 @@ def read_meta(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> Meta
 
 
 def _read(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> dict[str, Any]:
-    try:
-        document = json.loads(check(Path(path).read_bytes()))
-    except FileNotFoundError as error:
-        raise FoggyError(f"{path}: missing. Every frame needs its meta file (or give one camera for all).") from error
-    except (OSError, ValueError, RecursionError) as error:
-        raise FoggyError(f"{path}: not a readable JSON file: {error}") from error
+    advice = "Every frame needs its meta file (or give one camera for all)."
+    document = parse_json(check(read_bytes(path, "JSON file", advice, LARGEST_JSON)), path)
     if not isinstance(document, dict):
         raise FoggyError(f"{path}: expected an object with `camera`, got {type(document).__name__}")
     return document
@@ -118,17 +94,15 @@ def _read(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> dict[str
 
 def _camera(document: dict[str, Any], path: str | Path) -> Camera:
     intrinsic = document.get("camera", {}).get("intrinsic", {}) if isinstance(document.get("camera"), dict) else {}
-    try:
-        fx, fy, u0, v0 = (float(intrinsic[name]) for name in ("fx", "fy", "u0", "v0"))
-        size = {name: int(intrinsic[name]) for name in ("resx", "resy")}
-        fractions = [name for name in size if size[name] != float(intrinsic[name])]
-        if fractions:
-            raise ValueError(f"{fractions[0]} is {intrinsic[fractions[0]]}, expected a whole number of pixels")
-        return Camera(fx, fy, u0, v0, **size)
-    except KeyError as error:
-        raise FoggyError(f"{path}: camera.intrinsic.{error.args[0]} missing") from error
-    except (TypeError, ValueError, OverflowError) as error:
-        raise FoggyError(f"{path}: camera.intrinsic: {error}") from error
+    found: dict[str, Any] = {}
+    for name in ("fx", "fy", "u0", "v0", "resx", "resy"):
+        if not isinstance(intrinsic, dict) or name not in intrinsic:
+            raise FoggyError(f"{path}: camera.intrinsic.{name} missing")
+        with named(f"{path}: camera.intrinsic.{name}", "number"):
+            found[name] = number(intrinsic[name])
+    with named(f"{path}: camera.intrinsic", "camera"):
+        camera = Camera(**found)
+        return replace(camera, resx=int(camera.resx), resy=int(camera.resy))
 
 
 def files(root: Path, scenes: Any, shard: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Which frames a command fogs, and where their files are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,13 +14,19 @@ IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 class Frame:
     """A frame's files: its id as written in tables and file names, and where image, depth and camera are read.
 
-    The camera is a JSON file, or the depth file itself, whose header may hold it.
+    The camera is a JSON file, or the depth file itself, whose header may hold it; `checksums` are the SHA-256 that the
+    three must have, where they are known.
     """
 
     id: str
     rgb: Path
     depth: Path
     camera: Path
+    checksums: Sequence[str] = ()
+
+    def files(self) -> tuple[Path, Path, Path]:
+        """Image, depth and camera."""
+        return self.rgb, self.depth, self.camera
 
     def name(self, beta: str) -> str:
         """File name of an image of this frame: numbers get five digits, as the published script writes them."""

@@ -1,29 +1,28 @@
 """Fog on folders of frames, without a pipeline: many processes, what is finished is kept, the broken are named."""
 
-import ctypes
-import signal
-from collections import deque
+import json
+import os
 from collections.abc import Generator
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 from foggy_synscapes.errors import UNFORESEEN, FoggyError
 from foggy_synscapes.fog.airlight import Airlight
+from foggy_synscapes.fog.geometry import Rays
 from foggy_synscapes.frames import rendering
 from foggy_synscapes.frames.finding import Frame
 from foggy_synscapes.io.atomic import write_bytes
-from foggy_synscapes.io.images import is_whole_png, read_rgb
+from foggy_synscapes.io.files import read_bytes
+from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.io.images import SIGNATURE
+from foggy_synscapes.io.processes import in_processes
 
 Light = tuple[int, int, int, int, int]
 """Row of the airlight table without its id: red, green, blue, row, column."""
 
 WRITERS = 8
-PR_SET_PDEATHSIG = 1  # sys/prctl.h
-
-AHEAD = 3  # frames per process that are handed out before the first is done: keeps all busy, and memory constant
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,10 @@ class Job:
     treatment: str
     model: str = "homogeneous"
 
+    def name(self, path: Path) -> str:
+        """What an image is called in the folder."""
+        return path.relative_to(self.out).as_posix()
+
     def paths(self, frame: Frame) -> tuple[list[Path], list[Path]]:
         """Foggy images and transmittance maps of a frame, one per beta."""
         foggy = [self.out / f"beta_{beta}" / "foggy_img" / frame.name(beta) for beta in self.betas]
@@ -45,67 +48,86 @@ class Job:
         return foggy, maps if self.transmittance else []
 
 
+@dataclass(frozen=True)
+class Made:
+    """What is known of a frame that was fogged: what it was made of, its airlight, and SHA-256 by image.
+
+    of : digest of image, depth and camera; images : by their path below the folder, none where the frame was left out
+    """
+
+    of: str
+    light: Light
+    images: dict[str, str]
+
+
 @dataclass
 class Done:
-    """What became of one frame: its airlight row, files and bytes written, files that were there, warnings, error."""
+    """What became of one frame: files and bytes written, files that were there, warnings, error.
+
+    again : files that were there, but not as this frame gives them
+    """
 
     id: str
-    light: Light = (0, 0, 0, 0, 0)
     blue: bool = False
     made: int = 0
     kept: int = 0
+    again: int = 0
     bytes: int = 0
     warnings: list[str] = field(default_factory=list)
     error: str = ""
+    frame: Made = field(default_factory=lambda: Made("", (0, 0, 0, 0, 0), {}))
 
     def add(self, other: "Done") -> None:
         """Count another frame's files in, and take over its warnings."""
-        self.made, self.kept, self.bytes = self.made + other.made, self.kept + other.kept, self.bytes + other.bytes
+        for name in ("made", "kept", "again", "bytes"):
+            setattr(self, name, getattr(self, name) + getattr(other, name))
         self.warnings += other.warnings
 
 
-def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Light]) -> Generator[Done, None, None]:
+def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Made]) -> Generator[Done, None, None]:
     """Fog frame by frame, results in the order of `frames`.
 
-    known : airlight by frame id, of frames whose image did not change since
+    known : what was made of frames before, by their id
 
     Raises FoggyError if a process dies; what is wrong with a frame stands in its result.
     """
-    tasks = ((frame, job, known.get(frame.id)) for frame in frames)
-    processes = min(processes, len(frames))
-    if processes <= 1:
-        rendering.keep_memory()
-        yield from (fog_frame(*task) for task in tasks)
-        return
-    pool = ProcessPoolExecutor(processes, initializer=_begin)
-    waiting: deque = deque()
-    try:
-        for task in tasks:
-            waiting.append(pool.submit(fog_frame, *task))
-            if len(waiting) > AHEAD * processes:
-                yield waiting.popleft().result()
-        while waiting:
-            yield waiting.popleft().result()
-    except BrokenProcessPool as error:
-        raise FoggyError(
-            "a process was killed, perhaps for lack of memory. Use fewer --jobs and run the same command to go on."
-        ) from error
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    tasks = [(frame, job, known.get(frame.id)) for frame in frames]
+    yield from in_processes(
+        _fog_frame, tasks, min(processes, len(frames)), lambda task: f"frame {task[0].id}", rendering.keep_memory
+    )
 
 
-def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
-    """Make what is missing of one frame."""
+def _fog_frame(task: tuple[Frame, Job, Made | None]) -> Done:
+    return fog_frame(*task)
+
+
+def fog_frame(frame: Frame, job: Job, known: Made | None = None) -> Done:
+    """Make what is missing of one frame, and what is not as it was made of these very inputs."""
     done = Done(frame.id)
     try:
-        foggy, maps = job.paths(frame)
-        newest = max(changed(path) for path in _inputs(frame))
-        wanted = {path for path in (*foggy, *maps) if not _is_right(path, newest)}
-        done.kept = len(foggy) + len(maps) - len(wanted)
-        if wanted:
-            _make(frame, job, wanted, done)
-        else:
-            done.light = known or _light(rendering.airlight_of(read_rgb(frame.rgb), job.treatment)[0])
+        rgb, depth = (_input(frame, path, number) for number, path in enumerate((frame.rgb, frame.depth)))
+        if frame.checksums:
+            _input(frame, frame.camera, 2)
+        camera = rendering.read_camera(frame.camera)
+        about = sha256_bytes(rgb), sha256_bytes(depth), vars(camera)
+        of = sha256_bytes(json.dumps(about).encode())
+        if known is not None and known.of != of:
+            known = None
+        paths = [path for kind in job.paths(frame) for path in kind]
+        wanted = {path for path in paths if not _is_right(path, job.name(path), known)}
+        if known is not None and (not wanted or not known.images):
+            done.frame, done.blue, done.kept = known, not known.images, len(paths) - len(wanted)
+            return done
+        done.kept, done.again = len(paths) - len(wanted), sum(os.path.lexists(path) for path in wanted)
+        # What is no PNG is read by a library that opens files itself.
+        source = rgb if rgb.startswith(SIGNATURE) else frame.rgb
+        clear = rendering.read_clear(source, depth, str(frame.rgb), str(frame.depth))
+        light, done.blue = rendering.airlight_of(clear.image, job.treatment)
+        done.warnings = clear.warnings(light)
+        done.frame = Made(of, (*light.levels, light.row, light.column), dict(known.images) if known else {})
+        if not (done.blue and job.treatment == rendering.DROP):
+            rays = rendering.rays_of(clear, camera, str(frame.camera), job.geometry)
+            _make(frame, job, clear, rays, light, wanted, done)
     except FoggyError as error:
         done.error = str(error)
     except OSError as error:
@@ -115,16 +137,10 @@ def fog_frame(frame: Frame, job: Job, known: Light | None = None) -> Done:
     return done
 
 
-def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
-    clear = rendering.read_clear(frame.rgb, frame.depth, str(frame.rgb), str(frame.depth))
-    camera, camera_name = rendering.read_camera(frame.camera), str(frame.camera)
-    light, done.blue = rendering.airlight_of(clear.image, job.treatment)
-    done.light = _light(light)
-    done.warnings = clear.warnings(light)
-    if done.blue and job.treatment == rendering.DROP:
-        return
+def _make(
+    frame: Frame, job: Job, clear: rendering.Clear, rays: Rays, light: Airlight, wanted: set[Path], done: Done
+) -> None:
     foggy, maps = job.paths(frame)
-    rays = rendering.rays_of(clear, camera, camera_name, job.geometry)
     # Files are synced one by one: several at a time wait for the disk together.
     with ThreadPoolExecutor(WRITERS) as writer:
         kinds = (
@@ -136,42 +152,21 @@ def _make(frame: Frame, job: Job, wanted: set[Path], done: Done) -> None:
             missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
             for path, data in zip(missing, encode(list(missing.values()), job.level) if missing else (), strict=True):
                 pending.append(writer.submit(write_bytes, path, data))
+                done.frame.images[job.name(path)] = sha256_bytes(data)
                 done.made += 1
                 done.bytes += len(data)
         for written in pending:
             written.result()
 
 
-def _light(light: Airlight) -> Light:
-    return (*light.levels, light.row, light.column)
+def _input(frame: Frame, path: Path, number: int) -> bytes:
+    """Content of a frame's file, checked against what it must have, where that is known."""
+    data = read_bytes(path, "file", f"It is of frame {frame.id}.")
+    if frame.checksums and (digest := sha256_bytes(data)) != (wanted := frame.checksums[number]):
+        raise FoggyError(f"{path}: its sha256 is {digest[:12]}..., but --checksums has {wanted[:12]}...")
+    return data
 
 
-def _inputs(frame: Frame) -> tuple[Path, ...]:
-    inputs = (frame.rgb, frame.depth, frame.camera)
-    for path in inputs:
-        if not path.is_file():
-            raise FoggyError(f"{path}: missing (frame {frame.id})")
-    return inputs
-
-
-def changed(path: Path) -> int:
-    """When a file was last written or put into its place, in ns: a copy that keeps an old time is new all the same.
-
-    Where it is a symbolic link, also when that was.
-    """
-    return max(time for status in (path.stat(), path.lstat()) for time in (status.st_mtime_ns, status.st_ctime_ns))
-
-
-def _is_right(path: Path, newest: int) -> bool:
-    """Whether an image was finished by an earlier run, after its inputs were last changed."""
-    return path.is_file() and path.stat().st_mtime_ns >= newest and is_whole_png(path)
-
-
-def _begin() -> None:
-    """What a process does first."""
-    rendering.keep_memory()
-    # Ctrl-C reaches all processes: the first one stops the others, which finish their frame.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    library = ctypes.CDLL(None)
-    if hasattr(library, "prctl"):  # Linux: a killed first process would leave the others waiting for ever
-        library.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+def _is_right(path: Path, name: str, known: Made | None) -> bool:
+    """Whether an image is the one that an earlier run made."""
+    return known is not None and name in known.images and path.is_file() and sha256(path) == known.images[name]

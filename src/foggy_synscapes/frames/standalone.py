@@ -2,9 +2,11 @@
 
 import argparse
 import json
+import os
 import sys
 import time
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from foggy_synscapes import __version__
@@ -12,13 +14,15 @@ from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.fog.optics import lighter_than_fog
-from foggy_synscapes.frames import folders
+from foggy_synscapes.frames import folders, journal
 from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers, write_text
-from foggy_synscapes.io.hashing import sha256, sha256_bytes
+from foggy_synscapes.io.checksums import Checksums
+from foggy_synscapes.io.files import read_json
+from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.schema import beta_name
 
 SETTINGS = "settings.json"
@@ -78,6 +82,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=0,
         help="0: codes for photographs, fastest (default); 1 to 3: effort of deflate",
     )
+    frames.add_argument(
+        "--checksums", type=Path, metavar="FILE", help="SHA-256 of all inputs, as sha256sum writes them: checked first"
+    )
     frames.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: 1)")
     frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
 
@@ -101,6 +108,9 @@ def run(args: argparse.Namespace, code: str) -> None:
         frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
     else:
         raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
+    if args.checksums is not None:
+        listed = Checksums(args.checksums)
+        frames = [replace(each, checksums=[listed.of(path) for path in each.files()]) for each in frames]
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
     job = folders.Job(args.out, betas, *options)
     fog(frames, job, code, args.camera, jobs=args.jobs, keep_going=args.keep_going)
@@ -131,8 +141,8 @@ def fog(
 ) -> None:
     """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
 
-    Images that an earlier run finished with the same settings are kept, if their inputs did not change since. Another
-    run may be at work on other frames in the same folder.
+    Images that an earlier run finished with the same settings are kept, if they and their inputs have the content that
+    they had then, wherever they lie. Another run may be at work on other frames in the same folder.
 
     code : digest of the code that renders; camera : file of the camera, where all frames have the same
 
@@ -146,9 +156,8 @@ def fog(
         own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
         remove_leftovers(job.out, {*own, SETTINGS, table.name})
         _check_settings(job, frames, code, camera)
-        rows = _read_airlight(table)
-    known = {frame.id: rows[frame.id] for frame in frames if frame.id in rows and _older(frame.rgb, table)}
-    found: dict[str, folders.Light] = {}
+        known = journal.begin(job.out)
+    found: dict[str, folders.Made] = {}
     started, total = time.perf_counter(), folders.Done("")
     broken: dict[str, str] = {}
     blue: list[str] = []
@@ -159,17 +168,22 @@ def fog(
                 if keep_going:
                     continue
                 break
-            found[done.id] = done.light
+            if done.frame != known.get(done.id):
+                journal.append(job.out, done.id, done.frame)
+            found[done.id] = done.frame
             blue += [done.id] if done.blue else []
             total.add(done)
     with lock.of_folder(job.out):
-        rows = {**_read_airlight(table), **found}
-        write_csv(table, COLUMNS, [(frame, *rows[frame]) for frame in sorted({*rows} - {*broken}, key=order)])
+        rows = journal.finish(job.out, found)
+        lights = [(frame, *rows[frame].light) for frame in rows if frame not in broken]
+        write_csv(table, COLUMNS, sorted(lights, key=lambda row: order(row[0])))
     for warning in _shortened(total.warnings):
         print(f"warning: {warning}", file=sys.stderr)
     if blue:
         answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
         print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
+    if total.again:
+        print(f"fog: {total.again} images in {job.out} were not as these inputs make them, and were made again")
     seconds = time.perf_counter() - started
     print(
         f"fog: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
@@ -178,12 +192,6 @@ def fog(
     if broken:
         rest = "" if keep_going else "; repair it and run the command again, or add --keep-going to finish the others"
         raise FoggyError("\n".join(broken.values()) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
-
-
-def _origin(frames: list[Frame]) -> str:
-    """Tells the folders that frames are read from, without naming them."""
-    places = sorted({str(path.parent.resolve()) for frame in frames for path in (frame.rgb, frame.depth)})
-    return sha256_bytes("\n".join(places).encode())[:16]
 
 
 def _camera(frames: list[Frame], camera: Path | None) -> str:
@@ -196,7 +204,6 @@ def _camera(frames: list[Frame], camera: Path | None) -> str:
 def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Path | None) -> None:
     """Keep one folder from holding images of different frames, settings or versions of the code."""
     settings = {
-        "frames": _origin(frames),
         "camera": _camera(frames, camera),
         "code": code[:16],
         "geometry": job.geometry,
@@ -206,7 +213,7 @@ def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Pa
         "foggy_synscapes": __version__,
     }
     path = job.out / SETTINGS
-    if not path.is_file():
+    if not os.path.lexists(path):
         if any(job.out.glob("beta_*/*/[!.]*")):
             raise FoggyError(
                 f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
@@ -214,34 +221,16 @@ def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Pa
             )
         write_text(path, json.dumps(settings, indent=1) + "\n")
         return
-    try:
-        before = dict(json.loads(path.read_text(encoding="utf-8")))
-    except (ValueError, TypeError, RecursionError) as error:
-        raise FoggyError(f"{path}: not readable: {error}. Delete the folder, or choose another --out.") from error
+    before = read_json(path, "file of settings", "Delete the folder, or choose another --out.")
+    if not isinstance(before, dict):
+        raise FoggyError(f"{path}: not a readable file of settings. Delete the folder, or choose another --out.")
     if before != settings:
         keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
         differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
         raise FoggyError(
             f"{path}: the folder holds images of another kind: {differences} "
-            "(frames, camera: where they come from). Choose another --out, or delete the folder."
+            "(camera: where they come from). Choose another --out, or delete the folder."
         )
-
-
-def _read_airlight(table: Path) -> dict[str, folders.Light]:
-    if not table.is_file():
-        return {}
-    known: dict[str, folders.Light] = {}
-    try:
-        for line in read_csv(table, COLUMNS):
-            red, green, blue, row, column = (int(line[name]) for name in COLUMNS[1:])
-            known[line["id"]] = red, green, blue, row, column
-        return known
-    except ValueError as error:
-        raise FoggyError(f"{table}: {error}. Delete it; it is made again.") from error
-
-
-def _older(path: Path, table: Path) -> bool:
-    return path.is_file() and folders.changed(path) <= table.stat().st_mtime_ns
 
 
 def _shortened(lines: list[str]) -> list[str]:

@@ -4,15 +4,13 @@ import hashlib
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, open_plain, read_bytes
 
 
 def sha256(path: str | Path) -> str:
-    """SHA-256 of a file's bytes in hexadecimal, read in pieces."""
-    try:
-        with open(path, "rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise FoggyError(f"{path}: cannot be read: {error.strerror}") from error
+    """SHA-256 of a plain file's bytes in hexadecimal, read in pieces."""
+    with named(path, "file"), open_plain(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def sha256_bytes(data: bytes | memoryview) -> str:
@@ -21,18 +19,8 @@ def sha256_bytes(data: bytes | memoryview) -> str:
 
 
 def read_checked(path: str | Path, expected: str) -> bytes:
-    """Read a file and make sure that its SHA-256 is the expected one.
-
-    Raises
-    ------
-    FoggyError
-        If the file cannot be read, or its content is not what was listed.
-    """
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise FoggyError(f"{path}: cannot be read: {error.strerror}. It was there when it was listed.") from error
-    return checked(data, expected, str(path))
+    """Read a file and make sure that its SHA-256 is the expected one; FoggyError if it is not, or cannot be read."""
+    return checked(read_bytes(path, advice="It was there when it was listed."), expected, str(path))
 
 
 def checked(data: bytes, expected: str, name: str) -> bytes:

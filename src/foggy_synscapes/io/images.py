@@ -18,15 +18,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from isal import isal_zlib
+from isal import igzip_lib, isal_zlib
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, read_bytes
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 JPEG, START_OF_SCAN, END_OF_IMAGE = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"  # ITU-T T.81, table B.1
-KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
 GREY, RGB = 0, 2
+KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
+SAMPLES = {GREY: 1, RGB: 3}  # of a pixel
+# First row and column, and steps, of the passes of an interlaced image (PNG specification, section 8.2).
+ADAM7 = (0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1)
 LARGEST = 100_000_000  # pixels; a header that claims more is an attack or an accident
+LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "HTJ2K32", "HTJ2K256", "ZSTD")  # compressions of EXR
 AGAIN = "Fetch or make the file again."
 _thread = threading.local()
 UP_FILTER = 2  # PNG specification, section 9.2: each byte minus the byte above it
@@ -81,18 +86,11 @@ def read_depth(source: Path | str | bytes, name: str | None = None) -> np.ndarra
     Raises
     ------
     FoggyError
-        If the file is missing, damaged, larger than 100 megapixels, or holds anything but one
-        channel named Z of 32-bit floats.
+        If the file is missing, damaged, larger than 100 megapixels, of several parts, compressed with loss, or holds
+        anything but one channel named Z of 32-bit floats.
     """
-    import OpenEXR
-
     data, name = _bytes(source, name)
-    try:
-        with _silence():
-            _check_exr(OpenEXR.File(io.BytesIO(data), header_only=True, num_threads=0).header(), name)
-            depth = OpenEXR.File(io.BytesIO(data), num_threads=0).channels()["Z"].pixels
-    except (RuntimeError, ValueError, KeyError, TypeError) as error:
-        raise FoggyError(f"{name}: not a readable EXR file: {error}. {AGAIN}") from error
+    depth = _read_exr(data, name, header_only=False)
     if depth.dtype != np.float32:
         raise FoggyError(f"{name}: channel Z is {depth.dtype}, expected float32: rounded depth changes pixels")
     return depth
@@ -103,16 +101,7 @@ def read_depth_header(source: Path | str | bytes, name: str | None = None) -> di
 
     Raises FoggyError as `read_depth` does.
     """
-    import OpenEXR
-
-    data, name = _bytes(source, name)
-    try:
-        with _silence():
-            header = OpenEXR.File(io.BytesIO(data), header_only=True, num_threads=0).header()
-            _check_exr(header, name)
-    except (RuntimeError, ValueError, KeyError, TypeError) as error:
-        raise FoggyError(f"{name}: not a readable EXR file: {error}. {AGAIN}") from error
-    return header
+    return _read_exr(*_bytes(source, name), header_only=True)
 
 
 def encode_png(pixels: np.ndarray, level: int = 1) -> bytes:
@@ -194,37 +183,52 @@ def is_whole_png(path: Path | str) -> bool:
 def _bytes(source: Path | str | bytes, name: str | None) -> tuple[bytes, str]:
     if isinstance(source, bytes):
         return source, name or "image"
-    try:
-        return Path(source).read_bytes(), name or str(source)
-    except FileNotFoundError as error:
-        raise FoggyError(f"{name or source}: missing") from error
-    except OSError as error:
-        raise FoggyError(f"{name or source}: cannot be read: {error.strerror}") from error
+    return read_bytes(source, "image"), name or str(source)
 
 
 def _checked_header(data: bytes, name: str) -> PngHeader:
-    """Header of a PNG whose chunks are all there and undamaged."""
+    """Header of a PNG whose chunks are all there and undamaged, and whose deflated rows are as long as it says."""
     header = png_header(data, name)
-    view, at, kind = memoryview(data), 8, b""
+    view, at, kind, rows = memoryview(data), 8, b"", []
     while kind != b"IEND":
-        if at + 12 > len(data):
-            raise FoggyError(f"{name}: cut off at {len(data)} bytes. {AGAIN}")
-        (size,) = struct.unpack_from(">I", data, at)
+        size = int.from_bytes(data[at : at + 4], "big")
         kind, end = data[at + 4 : at + 8], at + 8 + size
         if end + 4 > len(data):
             raise FoggyError(f"{name}: cut off at {len(data)} bytes. {AGAIN}")
         if isal_zlib.crc32(view[at + 4 : end]) != int.from_bytes(data[end : end + 4], "big"):
             raise FoggyError(f"{name}: damaged (checksum of a chunk at byte {at}). {AGAIN}")
+        if kind == b"IDAT":
+            rows.append(view[at + 8 : end])
         at = end + 4
+    if header.kind not in SAMPLES:
+        return header
+    expected, stream = _size_of_rows(header, data[28]), isal_zlib.decompressobj()
+    try:
+        # libspng stops at the last row and never sees the checksum of the stream.
+        size = len(stream.decompress(b"".join(rows), expected + 1))
+    except igzip_lib.IsalError as error:  # type: ignore[misc]  # its types call the exception a value
+        raise FoggyError(f"{name}: cannot be decoded: {error}. {AGAIN}") from error
+    if size != expected or not stream.eof:
+        raise FoggyError(f"{name}: cannot be decoded: its rows end too early or too late. {AGAIN}")
     return header
+
+
+def _size_of_rows(header: PngHeader, interlaced: int) -> int:
+    """Bytes of the deflated rows, each with the number of its filter."""
+    bits, total = header.bits * SAMPLES[header.kind], 0
+    for top, left, down, right in ADAM7 if interlaced else ((0, 0, 1, 1),):
+        rows, columns = len(range(top, header.height, down)), len(range(left, header.width, right))
+        total += rows * (1 + (columns * bits + 7) // 8) if columns else 0
+    return total
 
 
 def _read_png(data: bytes, name: str, bits: int, kind: int, hint: str) -> np.ndarray:
     import pyspng
 
-    header = _checked_header(data, name)
+    header = png_header(data, name)
     if (header.bits, header.kind) != (bits, kind):
         raise FoggyError(f"{name}: {header}, expected {bits}-bit {KINDS[kind]}. {hint}")
+    _checked_header(data, name)
     try:
         if bits == 16:  # libspng adds an alpha channel to 16-bit grey
             return np.ascontiguousarray(pyspng.load(data)[..., 0])
@@ -242,11 +246,13 @@ def _read_other_rgb(path: Path, name: str) -> np.ndarray:
     try:
         spec = reader.spec()
         _check_size(spec.width, spec.height, name)
-        if (spec.nchannels, str(spec.format)) != (3, "uint8"):
-            raise FoggyError(f"{name}: {spec.nchannels} channels of {spec.format}, expected 3 of uint8. Convert it.")
-        pixels = reader.read_image("uint8")
-        if pixels is None:
-            raise FoggyError(f"{name}: cannot be decoded: {reader.geterror()}. {AGAIN}")
+        # Colours of printing inks come out as three channels, in colours of no stated kind.
+        kind = "CMYK" if spec.get_string_attribute("jpeg:ColorSpace") == "CMYK" else f"{spec.nchannels} channels"
+        if (kind, str(spec.format)) != ("3 channels", "uint8"):
+            raise FoggyError(f"{name}: {kind} of {spec.format}, expected 3 channels of uint8. Convert it.")
+        pixels, problem = reader.read_image("uint8"), reader.geterror()
+        if pixels is None or problem:  # where a part is missing, it is grey
+            raise FoggyError(f"{name}: cannot be decoded: {problem}. {AGAIN}")
         return pixels
     finally:
         reader.close()
@@ -257,11 +263,32 @@ def _check_size(width: int, height: int, name: str) -> None:
         raise FoggyError(f"{name}: claims {width} x {height} pixels, expected 1 to {LARGEST // 10**6} million")
 
 
-def _check_exr(header: dict, name: str) -> None:
+def _read_exr(data: bytes, name: str, header_only: bool) -> Any:
+    """Header or depth of an EXR file; the header is checked first."""
+    import OpenEXR
+
+    try:
+        with _silence(), named(name, "EXR file", AGAIN):
+            file = OpenEXR.File(io.BytesIO(data), header_only=True, num_threads=0)
+            header = file.header()
+            _check_exr(header, len(file.parts), name)
+            return header if header_only else OpenEXR.File(io.BytesIO(data), num_threads=0).channels()["Z"].pixels
+    except RuntimeError as error:  # what its library raises by itself
+        raise FoggyError(f"{name}: not a readable EXR file: {error}. {AGAIN}") from error
+
+
+def _check_exr(header: dict, parts: int, name: str) -> None:
     channels = [channel.name for channel in header["channels"]]
+    compression, storage = header["compression"].name.removesuffix("_COMPRESSION"), header["type"].name
+    if parts != 1 or storage not in ("scanlineimage", "tiledimage"):
+        raise FoggyError(f"{name}: {parts} parts of the kind {storage}, expected one plain image")
     if channels != ["Z"]:
         found = f"{len(channels)} channels" if len(channels) > 3 else f"channel {', '.join(channels) or 'none'}"
         raise FoggyError(f"{name}: {found}, expected 1 named Z. Is this the colour preview?")
+    if compression not in LOSSLESS:
+        raise FoggyError(f"{name}: compressed by {compression}, which rounds depth. Write it anew by ZIP.")
+    if (header["channels"][0].xSampling, header["channels"][0].ySampling) != (1, 1):
+        raise FoggyError(f"{name}: channel Z has not all pixels of its image, expected a sampling of 1")
     (left, top), (right, bottom) = (corner.tolist() for corner in header["dataWindow"])
     _check_size(right - left + 1, bottom - top + 1, name)
     if not all(map(np.array_equal, header["dataWindow"], header["displayWindow"])):

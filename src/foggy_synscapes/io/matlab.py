@@ -1,11 +1,13 @@
 """Named arrays out of MATLAB files of version 7.3, which are HDF5."""
 
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.errors import UNFORESEEN, FoggyError
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 
 
 def read_parameters(path: str | Path) -> dict[str, np.ndarray]:
@@ -51,7 +53,7 @@ def read_parameters(path: str | Path) -> dict[str, np.ndarray]:
                     keep(key, item[key][()].T)
 
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(io.BytesIO(read_bytes(path, "MATLAB file", limit=LARGEST_WEIGHTS)), "r") as file:
 
             def _cells(data: Any) -> list[Any]:
                 """The elements of a struct array's field; a struct that is alone has its field itself."""
@@ -60,7 +62,7 @@ def read_parameters(path: str | Path) -> dict[str, np.ndarray]:
                 return [file[reference] for reference in data[()].flatten()]
 
             file.visititems(visit)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, RuntimeError, MemoryError, *UNFORESEEN) as error:
         raise FoggyError(
             f"{path}: not a readable MATLAB file of version 7.3 ({error}). Older ones can be saved anew by MATLAB's "
             "save(..., '-v7.3')."

@@ -7,16 +7,19 @@ and WebDataset read them. Beside a shard lies its manifest, a CSV of name, size 
 import io
 import tarfile
 from collections.abc import Iterable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import replacing
+from foggy_synscapes.io.files import LARGEST, check_name, named, open_plain
 from foggy_synscapes.io.hashing import sha256_bytes
-from foggy_synscapes.io.names import check_name
 from foggy_synscapes.io.tables import read_csv, write_csv
 
 COLUMNS = ("name", "size", "sha256")
+_ADVICE = "Delete it and run its step again."
 
 
 @dataclass(frozen=True)
@@ -62,21 +65,10 @@ class Shard:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        try:
-            self._file = open(self.path, "rb")  # noqa: SIM115 (held open for reading members)
-        except OSError as error:
-            raise FoggyError(f"{path}: cannot be read: {error.strerror}. Make the shard again by its step.") from error
-        try:
-            with tarfile.open(fileobj=self._file, mode="r:") as tar:
-                entries = tar.getmembers()
-            for entry in entries:
-                check_name(entry.name)
-            if not all(entry.isreg() for entry in entries):
-                raise ValueError("holds links or folders, expected plain files only")
-        except (tarfile.TarError, ValueError) as error:
-            self._file.close()
-            raise FoggyError(f"{path}: not a shard: {error}. Delete it and run its step again.") from error
-        self._places = {entry.name: (entry.offset_data, entry.size) for entry in entries}
+        with named(path, "shard", _ADVICE), ExitStack() as held:
+            self._file = held.enter_context(open_plain(path))
+            self._places = _places(self._file)
+            held.pop_all()
 
     def names(self) -> list[str]:
         """Names of the members, in the order of the file."""
@@ -90,7 +82,7 @@ class Shard:
         self._file.seek(offset)
         data = self._file.read(size)
         if len(data) != size:
-            raise FoggyError(f"{self.path}: cut off within {name}. Delete it and run its step again.")
+            raise FoggyError(f"{self.path}: cut off within {name}. {_ADVICE}")
         return data
 
     def close(self) -> None:
@@ -104,17 +96,54 @@ class Shard:
         self.close()
 
 
+def _places(file: IO[bytes]) -> dict[str, tuple[int, int]]:
+    """Offset and size in bytes of each member; ValueError where a shard has other than plain USTAR members, sorted."""
+    places: dict[str, tuple[int, int]] = {}
+    try:
+        with tarfile.open(fileobj=_Headers(file), mode="r:") as tar:
+            for entry in tar:
+                check_name(entry.name)
+                plain = entry.type in (tarfile.REGTYPE, tarfile.AREGTYPE)
+                # One header of 512 bytes: longer ones are extensions, which may give other names and sizes.
+                if not plain or tar.pax_headers or entry.offset_data - entry.offset != tarfile.BLOCKSIZE:
+                    raise ValueError(f"{entry.name} is a link, a folder or of another kind, expected plain files only")
+                if places and entry.name <= next(reversed(places)):
+                    raise ValueError(f"member {entry.name} after {next(reversed(places))}, expected each once, sorted")
+                if entry.size > LARGEST:
+                    raise ValueError(f"member {entry.name} claims {entry.size:,} bytes")
+                places[entry.name] = entry.offset_data, entry.size
+    except tarfile.TarError as error:
+        raise ValueError(error) from error
+    return places
+
+
+class _Headers(io.RawIOBase):
+    """The headers of a tar file, which are read one by one: a longer piece is a header that lies."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def read(self, size: int = -1) -> bytes:
+        if not 0 <= size <= tarfile.RECORDSIZE:
+            raise ValueError("holds a header that is longer than a shard's")
+        return self._file.read(size)
+
+
 def write_manifest(path: str | Path, members: Iterable[Member]) -> None:
     """Write name, size and SHA-256 of each member as CSV."""
     write_csv(path, COLUMNS, ((member.name, member.size, member.sha256) for member in members))
 
 
 def read_manifest(path: str | Path) -> list[Member]:
-    """Read a manifest; names that would leave their folder are refused with FoggyError."""
-    members = [Member(row["name"], int(row["size"]), row["sha256"]) for row in read_csv(path, COLUMNS)]
-    for member in members:
-        try:
-            check_name(member.name)
-        except ValueError as error:
-            raise FoggyError(f"{path}: {error}") from error
-    return members
+    """Read a manifest; FoggyError if it is damaged, or a name would leave the folder that it is unpacked to."""
+    rows = read_csv(path, COLUMNS)
+    with named(path, "manifest"):
+        for row in rows:
+            check_name(row["name"])
+        return [Member(row["name"], int(row["size"]), row["sha256"]) for row in rows]

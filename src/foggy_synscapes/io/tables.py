@@ -8,6 +8,9 @@ from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import LARGEST_TABLE, named, read_bytes
+
+_ADVICE = "It is made by an earlier step: run `snakemake` or `dvc repro`."
 
 
 def write_csv(path: str | Path, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
@@ -25,20 +28,19 @@ def read_csv(path: str | Path, columns: Sequence[str] = ()) -> list[dict[str, st
     Raises
     ------
     FoggyError
-        If the file is missing or no UTF-8 text, a row is not as long as the header, or one of `columns` is not there.
+        If the file is missing, no UTF-8 text or larger than 1 GiB, a row is not as long as the header, a column stands
+        there twice, or one of `columns` is not there.
     """
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            reader = csv.reader(file, strict=True)
-            header = next(reader, [])
-            lines = list(reader)
-    except FileNotFoundError as error:
-        raise FoggyError(f"{path}: missing. It is made by an earlier step: run `snakemake` or `dvc repro`.") from error
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FoggyError(f"{path}: not a readable CSV table: {error}") from error
+    with named(path, "CSV table", _ADVICE):
+        text = read_bytes(path, "CSV table", _ADVICE, LARGEST_TABLE).decode("utf-8")
+        try:
+            header, *lines = csv.reader(io.StringIO(text, newline=""), strict=True) if text else [[]]
+        except csv.Error as error:
+            raise ValueError(error) from error
     missing = [column for column in columns if column not in header]
-    if missing:
-        raise FoggyError(f"{path}: column {', '.join(missing)} missing; found {', '.join(header) or 'no header'}")
+    if missing or len(set(header)) != len(header):
+        wrong = f"column {', '.join(missing)} missing" if missing else "a column stands twice"
+        raise FoggyError(f"{path}: {wrong}; found {', '.join(header) or 'no header'}")
     for number, line in enumerate(lines, start=2):
         if len(line) != len(header):
             raise FoggyError(f"{path}, line {number}: {len(line)} cells, expected {len(header)}")

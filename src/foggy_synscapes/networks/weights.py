@@ -166,7 +166,7 @@ def read_tensors(data: bytes, key: str) -> tuple[dict, dict[str, Tensor]]:
         raise ValueError(f"no whole safetensors file ({error}). Was it cut off, or is it of another kind?") from error
     try:
         return json.loads(header["__metadata__"][key]), tensors
-    except KeyError:
+    except (KeyError, TypeError):
         raise ValueError(
             f"safetensors file without the metadata `{key}`: not made here. `foggy weights import` reads other sources"
         ) from None

@@ -13,8 +13,8 @@ from typing import Any
 from foggy_synscapes import __version__
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import check_name, read_json
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.io.names import check_name
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.instructions import gpu, instructions
@@ -130,10 +130,7 @@ def read_run(path: Path) -> dict[str, Any]:
 
     Raises FoggyError if it is no JSON object with command, inputs and outputs, or names outputs outside of the folder.
     """
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise FoggyError(f"{path}: not a readable run record: {error}. Run its step again.") from error
+    record = read_json(path, "run record", "Run its step again.")
     if not isinstance(record, dict) or not {"command", "inputs", "outputs"} <= record.keys():
         raise FoggyError(f"{path}: not a run record: command, inputs or outputs missing. Run its step again.")
     for name in record["outputs"]:

@@ -1,13 +1,13 @@
 """The scores of a test set as one plain document: what `metrics.json` holds."""
 
-import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, read_json
 from foggy_synscapes.labels import CATEGORIES, CLASSES
 from foggy_synscapes.scoring import iou
 
@@ -84,15 +84,10 @@ def check(document: Any) -> None:
 
 def read_scores(path: Path) -> dict[str, Any] | None:
     """Scores of a run as `summarize` makes them, or None where the run was not made; FoggyError if they are damaged."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
+    if not os.path.lexists(path):
         return None
-    except (OSError, UnicodeDecodeError) as error:
-        raise FoggyError(f"{path}: cannot be read: {error}") from error
-    try:
-        document = json.loads(text)
+    advice = "Was it made by `foggy evaluate`? Run that again."
+    document = read_json(path, "file of metrics", advice)
+    with named(path, "file of metrics", advice):
         check(document)
-    except ValueError as error:
-        raise FoggyError(f"{path}: {error}. Was it made by `foggy evaluate`? Run that again.") from error
     return document

@@ -14,6 +14,7 @@ from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.ahead import Watch, ahead
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
 from foggy_synscapes.io.progress import progress
@@ -136,7 +137,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
         )
     run = Run(this)
     try:
-        model = load_model(source.read_bytes())
+        model = load_model(read_bytes(source, "model", limit=LARGEST_WEIGHTS))
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     if model.config.classes != len(CLASSES):

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from foggy_synscapes.datasets.calibration import calibration_images
+from foggy_synscapes.datasets.pairs import calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.weights import Model, load_model
 from foggy_synscapes.params import load
@@ -107,9 +108,7 @@ def export(
     """
     try:
         device = take(device, torch.get_num_threads())
-        model = load_model(source.read_bytes())
-    except OSError as error:
-        raise FoggyError(f"{source}: the model cannot be read: {error.strerror}") from error
+        model = load_model(read_bytes(source, "model", limit=LARGEST_WEIGHTS))
     except ValueError as error:
         raise FoggyError(f"{source}: {error}") from error
     try:

@@ -4,7 +4,7 @@ import argparse
 import json
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from foggy_synscapes.camera import Camera
@@ -14,6 +14,7 @@ from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.frames import recipes, rendering, standalone
 from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.files import named, read_bytes
 from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_manifest, write_shard
@@ -109,18 +110,18 @@ def fog(params: Params, beta: str, shard: str) -> None:
 def _members(job: Job, finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
     """File names and contents of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
     params, beta, shard, kept = job.params, job.values["beta"], job.values["shard"], job.input("kept")
-    lights = {int(row["id"]): row for row in read_csv(job.input("airlight"), COLUMNS)}
+    lights = _lights(job.input("airlight"))
     index, folder = read_index(job.input("index")), root(params, "synscapes")
     for frame, camera in progress(_frames(params, shard, kept).items(), f"fog {beta} {shard}", unit="frame"):
         if frame not in lights:
             raise FoggyError(f"{job.input('airlight')}: no frame {frame}. Run foggy fog --airlight --shard {shard}")
-        if lights[frame]["treatment"] == rendering.DROP:
+        light, treatment = lights[frame]
+        if treatment == rendering.DROP:
             dropped.append(frame)
             continue
         as_recipe, image = params.fog.render == ON_THE_FLY, synscapes.foggy_name(frame, beta)
         name = uris.recipe(image) if as_recipe else image
         if not ((finished / name).is_file() if as_recipe else is_whole_png(finished / name)):
-            light = _light(lights[frame])
             clear = rendering.read_frame(folder, frame, index)
             rays = rendering.rays_of(clear, camera, f"{kept}, frame {frame}", params.fog.geometry)
             if as_recipe:
@@ -130,11 +131,16 @@ def _members(job: Job, finished: Path, dropped: list[int]) -> Iterator[tuple[str
             write_bytes(finished / name, data)
             for warning in clear.warnings(light):
                 print(f"warning: {warning}", file=sys.stderr)
-        yield name, (finished / name).read_bytes()
+        yield name, read_bytes(finished / name)
 
 
-def _light(row: Mapping[str, str]) -> Airlight:
-    return Airlight(*(int(row[column]) for column in ("red", "green", "blue", "row", "column")))
+def _lights(table: Path) -> dict[int, tuple[Airlight, str]]:
+    """Airlight by frame, and what is done about it."""
+    rows = read_csv(table, COLUMNS)
+    with named(table, "table of airlight"):
+        return {
+            int(row["id"]): (Airlight(*(int(row[column]) for column in COLUMNS[1:6])), row["treatment"]) for row in rows
+        }
 
 
 def _frames(params: Params, shard: str, kept: Path) -> dict[int, Camera]:
@@ -145,9 +151,10 @@ def _frames(params: Params, shard: str, kept: Path) -> dict[int, Camera]:
             f"fog.frames: asks for the first {ends.first} and the last {ends.last} kept frames, "
             f"but the filter kept {len(rows)}. Ask for fewer, loosen filter.rules, or add frames."
         )
-    asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
     here = synscapes.shard_frames(shard, params.scenes.shard_frames)
-    return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
+    with named(kept, "table of frames"):
+        asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
+        return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
 
 
 def _finished(run: Run) -> Path:
@@ -155,7 +162,7 @@ def _finished(run: Run) -> Path:
     shard = run.job.output("shard")
     folder = shard.parent / f".{shard.stem}"
     note, text = folder / "job.json", json.dumps(run.identity(), indent=1)
-    if not note.is_file() or note.read_text(encoding="utf-8") != text:
+    if not note.is_file() or read_bytes(note) != text.encode():
         if folder.is_dir():
             shutil.rmtree(folder)
         write_text(note, text)

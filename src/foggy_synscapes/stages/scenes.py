@@ -8,6 +8,7 @@ from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.datasets.index import CACHE, write_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.checksums import Checksums
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.params import STAND_IN, Params, load
 from foggy_synscapes.provenance.recorded import recorded
@@ -31,6 +32,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     parser.add_argument("--dataset", required=True, help="which dataset: a key of scenes.roots")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes that render (default: 1)")
+    parser.add_argument("--checksums", type=Path, metavar="FILE", help="SHA-256 of its files, as sha256sum writes them")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -38,16 +40,17 @@ def run(args: argparse.Namespace) -> None:
     params = load(args.params)
     if args.dataset not in params.scenes.roots:
         raise UsageError(f"--dataset {args.dataset}: scenes.roots has {', '.join(params.scenes.roots)}")
-    scenes(params, args.dataset, args.jobs)
+    scenes(params, args.dataset, args.jobs, Checksums(args.checksums) if args.checksums else None)
 
 
-def scenes(params: Params, dataset: str, jobs: int = 1) -> None:
+def scenes(params: Params, dataset: str, jobs: int = 1, checksums: Checksums | None = None) -> None:
     """Render one dataset's stand-in to results/scenes, or read the real one, and write its index.
 
     Raises
     ------
     FoggyError
-        If a file of the real dataset is missing, or the counts of the stand-in contradict each other.
+        If a file of the real dataset is missing or not as `checksums` say, or the counts of the stand-in contradict
+        each other.
     """
     if jobs < 1:
         raise UsageError(f"--jobs {jobs}: at least 1 process is needed")
@@ -60,7 +63,7 @@ def scenes(params: Params, dataset: str, jobs: int = 1) -> None:
     listed = 0
     for index in run.job.outputs("index"):
         paths = sorted(set(DATASETS[dataset].files(folder, params.scenes, index.stem)))
-        write_index(index, folder, paths)
+        write_index(index, folder, paths, checksums)
         listed += len(paths)
     text = (_RENDERED if rendered else _REAL).format(name=dataset, indexes=run.job.output("record").parent)
     write_text(run.job.output("readme"), text)

@@ -9,7 +9,7 @@ from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.results import roots
 from foggy_synscapes.steps import job
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import Sources
 
 HELP = "List the images and labels that a row of the tables trains on and is validated with."
 COLUMNS = ("image", "image_sha256", "label", "label_sha256")

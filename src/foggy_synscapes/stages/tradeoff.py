@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from foggy_synscapes.datasets import DATASETS, synscapes
-from foggy_synscapes.datasets.calibration import calibration_images
 from foggy_synscapes.datasets.index import expect, read_index
-from foggy_synscapes.datasets.pairs import PairDataset
+from foggy_synscapes.datasets.pairs import PairDataset, calibration_images
 from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.frames.rendering import read_frame
 from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_ids, read_rgb
 from foggy_synscapes.io.tables import read_csv
@@ -210,7 +210,7 @@ def _model(path: Path) -> "Model":
     from foggy_synscapes.networks.weights import load_model
 
     try:
-        return load_model(path.read_bytes())
+        return load_model(read_bytes(path, "model", limit=LARGEST_WEIGHTS))
     except ValueError as error:
         raise FoggyError(f"{path}: {error}") from error
 

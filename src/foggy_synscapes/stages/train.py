@@ -15,6 +15,7 @@ from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS
@@ -95,7 +96,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     rest = budget - training.held
     validation = PairDataset(this.input("validation"), reader, rest, composite) if ranks.first else None
     snapshot = this.output("model").with_name("snapshot.safetensors")
-    earlier = snapshot.read_bytes() if snapshot.exists() else None
+    earlier = read_bytes(snapshot, "snapshot", limit=LARGEST_WEIGHTS) if snapshot.exists() else None
     if earlier and ranks.first:
         print(f"{label}: going on from {snapshot}")
     live = Live(asked.live if ranks.first else [], Path(LOGS), f"{network}/{row}/seed-{seed}")
@@ -182,11 +183,8 @@ def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int
     if start == NO_WEIGHTS:
         return Model(build(config), Preprocessing())
     try:
-        return load_start(Path(start).read_bytes(), config, whole)
-    except OSError as error:
-        raise FoggyError(
-            f"{start}: the start weights cannot be read: {error.strerror}. Train row {BASELINE} first, or import them."
-        ) from error
+        advice = f"Train row {BASELINE} first, or import them."
+        return load_start(read_bytes(start, "file of start weights", advice, LARGEST_WEIGHTS), config, whole)
     except ValueError as error:
         raise FoggyError(f"{start}: {error}") from error
 

@@ -1,6 +1,7 @@
 """`foggy weights import`: public weights as start weights or models of this project."""
 
 import argparse
+import io
 import pickle
 import warnings
 from pathlib import Path
@@ -12,6 +13,7 @@ from torch import Tensor
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_bytes
+from foggy_synscapes.io.files import LARGEST_WEIGHTS, named, read_bytes
 from foggy_synscapes.io.matlab import read_parameters
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.importing import Imported, convert, from_matconvnet
@@ -94,21 +96,20 @@ def _read(path: Path) -> dict[str, Tensor]:
     """Tensors of a file by name. Code in pickles is refused, not run."""
     if path.suffix == ".mat":
         return from_matconvnet(read_parameters(path))
+    data = read_bytes(path, "file of weights", limit=LARGEST_WEIGHTS)
     try:
-        if path.suffix == ".safetensors":
-            return safetensors.torch.load_file(path)
-        with warnings.catch_warnings():
+        with named(path, "file of weights", "Is it whole?"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            content = torch.load(path, map_location="cpu", weights_only=True)
-    except OSError as error:
-        raise FoggyError(f"{path}: cannot be read: {error.strerror or error}") from error
+            if path.suffix == ".safetensors":
+                return safetensors.torch.load(data)
+            content = torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
     except pickle.UnpicklingError as error:
         raise FoggyError(
             f"{path}: holds more than tensors, and reading it would run code in it; it was not run. "
             f"Save its state_dict alone, or as safetensors ({str(error).splitlines()[0]})"
         ) from error
-    except (SafetensorError, RuntimeError, EOFError, ValueError, KeyError) as error:
-        raise FoggyError(f"{path}: not a whole file of weights ({str(error).splitlines()[0]})") from error
+    except (SafetensorError, RuntimeError, EOFError) as error:
+        raise FoggyError(f"{path}: not a whole file of weights: {error}") from error
     return _tensors(content, path)
 
 

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from foggy_synscapes.datasets.index import read_cache, stamp
 from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.images import encode_depth, encode_png
+from foggy_synscapes.io.processes import in_processes
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.standin.layouts.layout import Files, Frame
 
@@ -71,11 +71,7 @@ def encode(path: str, content: np.ndarray | dict[str, Any]) -> bytes:
 
 
 def _rendered(frames: list[Frame], jobs: int) -> Iterator[list[tuple[str, bytes]]]:
-    if jobs == 1 or len(frames) < 2:
-        yield from map(_files, frames)
-        return
-    with ProcessPoolExecutor(min(jobs, len(frames))) as pool:
-        yield from pool.map(_files, frames, chunksize=4)
+    yield from in_processes(_files, frames, min(jobs, len(frames)), lambda frame: frame.paths[0])
 
 
 def _files(frame: Frame) -> list[tuple[str, bytes]]:

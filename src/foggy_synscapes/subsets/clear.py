@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from foggy_synscapes.datasets import cityscapes, uris
 from foggy_synscapes.datasets.index import expect
-from foggy_synscapes.subsets.kind import Kind, Line, Lists, Row, take
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import Kind, Line, Lists, Row, Sources, take
 
 
 def lists(sources: Sources, entry: Row, key: str) -> Lists:

@@ -4,8 +4,7 @@ from itertools import cycle, islice
 
 from foggy_synscapes.schema import Beta, Count, setting
 from foggy_synscapes.subsets import partial, pure
-from foggy_synscapes.subsets.kind import FoggyRow, Kind, Line, Lists
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import FoggyRow, Kind, Line, Lists, Sources
 
 
 class MixedRow(FoggyRow):

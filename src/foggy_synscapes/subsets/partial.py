@@ -3,8 +3,7 @@
 from foggy_synscapes.datasets import foggy_cityscapes
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.subsets.clear import labelled
-from foggy_synscapes.subsets.kind import FoggyRow, Kind, Lists, take
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import FoggyRow, Kind, Lists, Sources, take
 
 
 def lists(sources: Sources, entry: FoggyRow, key: str) -> Lists:

@@ -3,8 +3,7 @@
 from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.subsets.kind import FOG, FoggyRow, Kind, Lists
-from foggy_synscapes.subsets.sources import Sources
+from foggy_synscapes.subsets.kind import FOG, FoggyRow, Kind, Lists, Sources
 
 
 def lists(sources: Sources, entry: FoggyRow, key: str) -> Lists:
