@@ -1,10 +1,10 @@
 """The stand-in of Foggy Driving."""
 
 from dataclasses import replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from foggy_synscapes.datasets import foggy_driving
 from foggy_synscapes.schema import Section, setting
@@ -51,17 +51,18 @@ def coarsen(label_ids: np.ndarray) -> np.ndarray:
     The border is about one pixel in a hundred of the image's width.
     """
     radius = max(2, label_ids.shape[1] // 128)
-    core = np.where(_around(label_ids, radius, np.min) == _around(label_ids, radius, np.max), label_ids, 0)
+    core = np.where(_around(label_ids, radius, np.minimum) == _around(label_ids, radius, np.maximum), label_ids, 0)
     # Grown back part of the way, where only one label is near: edges get the straightness of polygons.
-    highest = _around(core, radius - 1, np.max)
-    lowest = _around(np.where(core == 0, 255, core), radius - 1, np.min)
+    highest = _around(core, radius - 1, np.maximum)
+    lowest = _around(np.where(core == 0, 255, core), radius - 1, np.minimum)
     return np.where(highest == lowest, highest, 0).astype(np.uint8)
 
 
-def _around(values: np.ndarray, radius: int, choose: Any) -> np.ndarray:
-    for axis in (0, 1):
-        padded = np.pad(values, [(radius, radius) if k == axis else (0, 0) for k in (0, 1)], mode="edge")
-        values = choose(sliding_window_view(padded, 2 * radius + 1, axis), axis=-1)
+def _around(values: np.ndarray, radius: int, choose: np.ufunc) -> np.ndarray:
+    # The least or greatest value of the square around each pixel: along the columns, then along the rows.
+    for _ in range(2):
+        padded = np.pad(values, ((radius, radius), (0, 0)), mode="edge")
+        values = reduce(choose, [padded[k : k + len(values)] for k in range(2 * radius + 1)]).T
     return values
 
 
