@@ -365,7 +365,7 @@ def test_an_image_that_a_gpu_has_no_memory_for_is_named_with_the_setting(params,
         raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 2 GiB")
 
     monkeypatch.setattr(Model, "predict", fail)
-    fails(params, r"_frame.*png: not enough memory on the GPU for 32 x 48 pixels. Set evaluate.device to cpu")
+    fails(params, r"_frame.*png: not enough memory on the GPU for 39 x 48 pixels. Set evaluate.device to cpu")
 
 
 def test_a_gpu_that_is_not_there_is_named(params):
