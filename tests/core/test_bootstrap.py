@@ -75,5 +75,6 @@ def test_about_95_of_100_intervals_hold_the_true_difference():
 
 def test_a_conclusion_is_only_drawn_where_the_interval_allows_it():
     assert in_words(-0.2, (-0.5, 0.1)) == "no difference found above 0.50 points"
+    assert in_words(0.0, (-0.001, 0.002)) == "no difference found above 0.01 points"
     assert in_words(0.2, (0.05, 0.4)) == "gains 0.05 to 0.40 points"
     assert in_words(-0.2, (-0.4, -0.05)) == "loses 0.05 to 0.40 points"

@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from foggy_synscapes.labels import CLASSES
@@ -70,6 +70,7 @@ def test_negative_zero_is_not_printed():
     assert (str(round_half_up(-0.04)), signed(-0.04), signed(-0.05)) == ("0.0", "0.0", "-0.1")
 
 
+@settings(deadline=None)
 @given(st.lists(st.one_of(st.none(), st.integers(0, 1000)), min_size=1, max_size=6))
 def test_bold_are_all_largest_values_unless_zero(tenths):
     column = pd.Series([None if value is None else value / 10 for value in tenths], dtype=float)

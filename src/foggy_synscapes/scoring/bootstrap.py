@@ -5,6 +5,8 @@ drawn ones are summed before IoU is formed, as for the test set itself. Source: 
 the Bootstrap, 1993, chapters 13 and 16.
 """
 
+import math
+
 import numpy as np
 
 SHARE = 0.95
@@ -62,6 +64,11 @@ def in_words(change: float, ends: tuple[float, float] | None) -> str:
     if low == high == 0:
         return "no difference at all"
     if low <= 0 <= high:
-        return f"no difference found above {max(-low, high):.2f} points"
+        return f"no difference found above {rounded_up(max(-low, high)):.2f} points"
     small, large = sorted((abs(low), abs(high)))
     return f"{'loses' if change < 0 else 'gains'} {small:.2f} to {large:.2f} points"
+
+
+def rounded_up(points: float) -> float:
+    """A bound as it is printed, with two decimals: not below what it bounds."""
+    return math.ceil(points * 100 - 1e-9) / 100

@@ -15,7 +15,7 @@ from foggy_synscapes.io.images import encode_png, read_rgb
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.networks import titles
 from foggy_synscapes.networks.weights import Model
-from foggy_synscapes.scoring.bootstrap import in_words, interval, mean_iou
+from foggy_synscapes.scoring.bootstrap import in_words, interval, mean_iou, rounded_up
 from foggy_synscapes.scoring.tally import image_matrix
 from foggy_synscapes.tables.table import MISSING, signed
 from foggy_synscapes.tradeoff.fog import OURS, Frame
@@ -186,6 +186,6 @@ def paragraph(scores: Sequence[Score]) -> str:
             text += [f"Not one pixel changes, or the change cancels: {', '.join(same)}."] if same else []
             open_ = [name for name in within if name not in same]
             most = max(within.values(), default=0.0)
-            text += [f"No difference found above {most:.2f} points: {', '.join(open_)}."] if open_ else []
+            text += [f"No difference found above {rounded_up(most):.2f} points: {', '.join(open_)}."] if open_ else []
         parts.append(" ".join(text))
     return "\n\n".join(parts)

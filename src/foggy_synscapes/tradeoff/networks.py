@@ -247,11 +247,11 @@ def table(scores: Sequence[Score], front: Sequence[bool]) -> pd.DataFrame:
         _line(score, reference_of(scores, score.network)) | {"pareto": "yes" if best else ""}
         for score, best in zip(scores, front, strict=True)
     ]
-    found = pd.DataFrame(lines, columns=[*BACKENDS, *(f"change {name}" for name in CLASSES)]).set_index(KEYS)
+    found = pd.DataFrame(lines, columns=[*BACKENDS, *(f"change {name}" for name in CLASSES)], dtype=object)
     # Every way at every scale has its line, measured or not.
-    networks, scales = (list(dict.fromkeys(found.index.get_level_values(name))) for name in KEYS[:2])
-    found = found.reindex(pd.MultiIndex.from_product([networks, scales, WAYS], names=KEYS))
-    return found.astype(object).fillna({"pareto": ""}).fillna(MISSING).reset_index()
+    every = pd.MultiIndex.from_product([found["network"].unique(), found["scale"].unique(), WAYS], names=KEYS)
+    found = found.set_index(KEYS).reindex(every)
+    return found.fillna({"pareto": ""}).fillna(MISSING).reset_index()
 
 
 def printed(measured: pd.DataFrame, heads: dict[str, str]) -> pd.DataFrame:
