@@ -8,7 +8,7 @@ INPUTS ?= 5000
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update repro test fuzz reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -92,6 +92,10 @@ remotes slurm: $(READY)
 
 scale: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/scale.py
+
+# Speed, memory, precision and repeatability on this machine's GPU, as a page of the docs; says so where there is none.
+gpu-check: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python benchmarks/gpu.py --out docs/gpu.md
 
 # Style and types; mypy takes half a minute at first, then seconds.
 lint: $(READY)
