@@ -13,6 +13,7 @@ from foggy_synscapes.datasets import DATASETS, test_settings
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
 from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.frames.layouts import LAYOUTS
 from foggy_synscapes.jobs import Each, Job, Step, Template, Values, listed
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.params import BASELINE, Params
@@ -40,6 +41,7 @@ REGISTRIES: dict[str, Registry] = {
     "datasets": DATASETS,
     "figures": FIGURES,
     "fog_models": MODELS,
+    "layouts": LAYOUTS,
     "networks": NETWORKS,
     "stand_ins": STAND_INS,
     "subsets": KINDS,

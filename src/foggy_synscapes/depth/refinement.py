@@ -98,3 +98,12 @@ def composite(image: np.ndarray, values: np.ndarray, airlight: tuple[int, int, i
     out = np.empty(image.shape, np.uint8)
     mix(np.ascontiguousarray(image), values, LEVELS, np.array(airlight) / 255, out)
     return out
+
+
+def levels(values: np.ndarray) -> np.ndarray:
+    """A map of transmittance in 8 bits, uint8 (H, W): floor(255 t + 0.5).
+
+    >>> levels(np.array([[0.0, 0.5, 1.0]]))
+    array([[  0, 128, 255]], dtype=uint8)
+    """
+    return np.floor(255 * values + 0.5).astype(np.uint8)

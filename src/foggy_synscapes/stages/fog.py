@@ -44,11 +44,14 @@ def run(args: argparse.Namespace) -> None:
     if args.shard is not None or args.airlight:
         _run_job(args)
     else:
-        standalone.run(args, source_digest.identity(*source_digest.code("fog", (), REGISTRIES)))
+        layout = (f"layouts.{args.layout}",) if args.layout else ()
+        standalone.run(args, source_digest.identity(*source_digest.code("fog", layout, REGISTRIES)))
 
 
 def _run_job(args: argparse.Namespace) -> None:
-    alone_only = [name for name in ("synscapes", "rgb", "depth", "out", "ids", "camera") if getattr(args, name)]
+    alone_only = [
+        name for name in ("synscapes", "rgb", "depth", "out", "ids", "camera", "layout") if getattr(args, name)
+    ]
     if alone_only:
         raise UsageError(f"--{alone_only[0]} is not for jobs of the pipeline (--shard, --airlight)")
     betas = args.beta or []
