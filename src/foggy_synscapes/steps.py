@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from foggy_synscapes import stereo_steps
 from foggy_synscapes.datasets import DATASETS, test_settings
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
@@ -80,6 +81,7 @@ SOURCES: dict[str, Callable[[], dict[str, Template]]] = {
         "kept": KEPT,
         "fog": Each(f"{FOG}/beta_{{row.beta}}", "{shard}.csv", {"shard": ("scenes.shards",)}),
     },
+    "made": stereo_steps.made_images,
     "curves": lambda: {"curves": Each(f"{RESULTS}/train", f"{RUN}/curves.csv", RUNS)},
     "metrics": lambda: {"metrics": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/metrics.json", RUNS)},
     "predictions": lambda: {"predictions": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/predictions.tar", RUNS)},
@@ -186,7 +188,8 @@ def _subset(kind: str) -> Step:
 def fog_shards(params: Params, values: Values) -> list[str]:
     """Shards that hold images of a row's list, which has the hash of each image."""
     entry = params.subset.foggy().get(values["row"])
-    return [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
+    own = [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
+    return own + stereo_steps.made_shards(params, values)
 
 
 def _start_weights(params: Params, values: Values) -> list[str]:
@@ -400,8 +403,10 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
     return [
         *(_scenes(dataset) for dataset in DATASETS),
         _filter(),
+        stereo_steps.complete(),
         _airlight(),
         _fog(),
+        stereo_steps.fog(),
         *(_subset(kind) for kind in KINDS),
         *_trainings(),
         *(_evaluate(row) for row in ROWS),

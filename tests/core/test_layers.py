@@ -30,6 +30,7 @@ ORDER = (
     "tables",
     "tradeoff",
     "jobs",
+    "stereo_steps",
     "steps",
     "provenance",
     "stages",

@@ -18,7 +18,7 @@ from foggy_synscapes.depth.completion import Stereo, complete
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import rays
 from foggy_synscapes.io.arrays import read_npz
-from foggy_synscapes.io.images import read_ids, read_rgb
+from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
 from foggy_synscapes.io.tables import read_csv
 
 CAMERA = Camera(350.0, 350.0, 161.0, 99.0, SIZE[1], SIZE[0])
@@ -84,7 +84,7 @@ def test_complete_writes_depth_transmittance_and_airlight(made: Path, tmp_path: 
     map_ = out / f"leftImg8bit_transmittance/{FIRST}_leftImg8bit_transmittance_beta_0.01.png"
     np.testing.assert_array_equal(read_ids(map_), refinement.levels(values))
     assert sorted(path.split("/")[0] for path in tree(out)) == sorted(
-        ["airlight.csv", "settings.json", *["depth"] * 2, *["leftImg8bit_transmittance"] * 2]
+        ["airlight.csv", "made.csv", "settings.json", *["depth"] * 2, *["leftImg8bit_transmittance"] * 2]
     )
 
 
@@ -185,7 +185,7 @@ def spoiled(what: str, root: Path) -> None:
         ("no baseline", cityscapes.camera, "extrinsic.baseline missing, in metres between both cameras"),
         ("baseline zero", cityscapes.camera, "baseline is 0.0, expected metres above 0"),
         ("no camera file", cityscapes.camera, "missing"),
-        ("camera no JSON", cityscapes.camera, "not a readable JSON file"),
+        ("camera no JSON", cityscapes.camera, "not a readable camera file"),
         ("8 bits", cityscapes.disparity, "8-bit grey, expected 16-bit grey. An 8-bit copy has lost its precision."),
         ("all invalid", cityscapes.disparity, "all values are 0, so no pixel has a disparity"),
         ("hardly any valid", cityscapes.disparity, "superpixels has 20 pixels, and 60% of its own"),
@@ -281,3 +281,35 @@ def test_a_damaged_depth_file_is_made_again(root: Path, tmp_path: Path) -> None:
     path.write_bytes(whole[:5000] + bytes(8) + whole[5008:])
     assert main(call) == 0
     assert path.read_bytes() == whole
+
+
+def compared(one: Path, other: Path, capsys) -> tuple[int, str]:
+    capsys.readouterr()
+    status = main(["complete", "--compare", str(one), str(other)])
+    told = capsys.readouterr()
+    return status, told.out + told.err
+
+
+def test_made_and_downloaded_fog_can_be_compared(tmp_path: Path, capsys) -> None:
+    grey = np.full((10, 20, 3), 100, np.uint8)
+    spoilt = grey.copy()
+    spoilt[0, :5] += np.array([0, 1, 0], np.uint8)
+    spoilt[1, :4, 2] += 7
+    for folder, pixels in (("made", grey), ("downloaded", spoilt), ("small", grey[1:])):
+        for name in NAMES[: 1 if folder == "downloaded" else 2]:
+            path = tmp_path / folder / f"leftImg8bit_foggy/{name}_leftImg8bit_foggy_beta_0.01.png"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(encode_png(np.ascontiguousarray(pixels)))
+    status, told = compared(tmp_path / "made", tmp_path / "downloaded", capsys)
+    assert status == 0
+    assert "1 images in both, 1 in one only; 4.500% of the pixels differ, 2.000% by more than 1 level" in told
+    assert "at most by 7; mean level 100.00 and 100.06" in told  # (5 x 1 + 4 x 7) / 600
+    status, told = compared(tmp_path / "made", tmp_path / "small", capsys)
+    assert (status, "of different size" in told) == (1, True)
+    (tmp_path / "unpacked/beta_0.01").mkdir(parents=True)
+    (tmp_path / "made").rename(tmp_path / "unpacked/beta_0.01/foggy_img")  # as `foggy unpack` makes folders
+    status, told = compared(tmp_path / "unpacked", tmp_path / "downloaded", capsys)
+    assert status == 0
+    (tmp_path / "empty").mkdir()
+    status, told = compared(tmp_path / "unpacked", tmp_path / "empty", capsys)
+    assert (status, "share no image" in told) == (1, True)

@@ -1,6 +1,5 @@
 """One frame of a stereo camera from its files: depth completed, transmittance refined, fog; mistakes named by file."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +15,12 @@ from foggy_synscapes.depth.completion import Stereo, complete
 from foggy_synscapes.depth.superpixels import WANTED
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.geometry import rays
+from foggy_synscapes.io.files import number, parse_json, read_bytes
 from foggy_synscapes.io.images import read_grey16, read_rgb
 
 GUIDED, BILATERAL = "guided", "bilateral"
 REFINEMENTS = (GUIDED, BILATERAL)
+FOGGY, TRANSMITTANCE = "foggy", "transmittance"
 
 DIFFERENT = 0.5
 """Share of matched pixels that look otherwise in the right view, above which the views hardly belong together; in the
@@ -31,6 +32,15 @@ the other way round: real scene 0.08 as it is, 0.39 swapped."""
 
 NEAREST, FARTHEST = 0.5, 2000.0
 """Metres between which the median depth of a street lies, whatever the camera."""
+
+
+def published(kind: str, refine: str, frame: str, beta: str) -> str:
+    """Path of a foggy image or of its transmittance, as Foggy Cityscapes has it.
+
+    >>> published(FOGGY, BILATERAL, "val/lindau/lindau_000000_000019", "0.01")
+    'leftImg8bit_foggyDBF/val/lindau/lindau_000000_000019_leftImg8bit_foggy_beta_0.01.png'
+    """
+    return f"leftImg8bit_{kind}{'DBF' if refine == BILATERAL else ''}/{frame}_leftImg8bit_{kind}_beta_{beta}.png"
 
 
 @dataclass(frozen=True)
@@ -80,13 +90,9 @@ def read_views(left: Source, right: Source, disparity: Source, camera: Source) -
 
 def read_stereo(source: Source, width: int, height: int) -> Stereo:
     """The stereo camera of a file of Cityscapes, of images of so many pixels; FoggyError that names what is missing."""
-    try:
-        data = source.file if isinstance(source.file, bytes) else source.file.read_bytes()
-        document = json.loads(data)
-    except FileNotFoundError as error:
-        raise FoggyError(f"{source.name}: missing. Each frame needs its camera, with the baseline.") from error
-    except (OSError, ValueError, RecursionError) as error:
-        raise FoggyError(f"{source.name}: not a readable JSON file: {error}") from error
+    advice = "Each frame needs its camera, with the baseline."
+    data = source.file if isinstance(source.file, bytes) else read_bytes(source.file, "camera file", advice)
+    document = parse_json(data, source.name, "camera file", advice)
     baseline = _number(document, "extrinsic", "baseline", source.name)
     numbers = {name: _number(document, "intrinsic", name, source.name) for name in ("fx", "fy", "u0", "v0")}
     try:
@@ -97,7 +103,7 @@ def read_stereo(source: Source, width: int, height: int) -> Stereo:
 
 def _number(document: Any, section: str, key: str, name: str) -> float:
     try:
-        return float(document[section][key])
+        return number(document[section][key])
     except (KeyError, TypeError, IndexError):
         needs = "metres between both cameras" if key == "baseline" else "pixels"
         raise FoggyError(f"{name}: {section}.{key} missing, in {needs}. Is this a camera file of Cityscapes?") from None

@@ -13,6 +13,7 @@ import numpy as np
 from isal import isal_zlib
 
 from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.files import named, read_bytes
 
 DEFLATED, VERSION, FIRST_DAY = 8, 20, 0x21  # of the ZIP format (APPNOTE 6.3.10); 1980-01-01 stands for no time
 
@@ -41,14 +42,14 @@ def read_npz(source: Path | bytes, key: str, name: str | None = None) -> np.ndar
     Raises FoggyError if the file is missing or damaged, or has no such array.
     """
     name = name or str(source)
+    data = source if isinstance(source, bytes) else read_bytes(source, ".npz file")
     try:
-        with np.load(io.BytesIO(source) if isinstance(source, bytes) else source, allow_pickle=False) as found:
+        with (
+            named(name, ".npz file", "Make the file again."),
+            np.load(io.BytesIO(data), allow_pickle=False) as found,
+        ):
             return found[key]
-    except FileNotFoundError as error:
-        raise FoggyError(f"{name}: missing") from error
-    except KeyError as error:
-        raise FoggyError(f"{name}: has no array {key}") from error
-    except (OSError, ValueError, TypeError, AttributeError, zipfile.BadZipFile, zlib.error, struct.error) as error:
+    except (zipfile.BadZipFile, zlib.error, struct.error, EOFError) as error:
         raise FoggyError(f"{name}: not a readable .npz file: {error}. Make the file again.") from error
 
 

@@ -16,12 +16,13 @@ from foggy_synscapes.frames import rendering, stereo
 from foggy_synscapes.frames.finding import Frame
 from foggy_synscapes.frames.folders import Done, Job, Make, read_input, take_airlight, write
 from foggy_synscapes.frames.layouts.layout import Layout, Request
+from foggy_synscapes.frames.stereo_shards import depth_name, members
 from foggy_synscapes.io.arrays import encode_npz
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.io.images import encode_png
 
 STEREO, HOMOGENEOUS = "stereo", "homogeneous"
-DEPTH, FOGGY, TRANSMITTANCE = "depth", "foggy", "transmittance"
+DEPTH = "depth"
 
 
 @dataclass(frozen=True)
@@ -54,17 +55,16 @@ class StereoJob(Job):
     def paths(self, frame: Frame) -> tuple[list[Path], list[Path]]:
         """Foggy images, and all else that is made of a frame."""
         targets = self._targets(frame)
-        images = [path for path, (kind, _) in targets.items() if kind == FOGGY]
-        return images, [path for path, (kind, _) in targets.items() if kind != FOGGY]
+        images = [path for path, (kind, _) in targets.items() if kind == stereo.FOGGY]
+        return images, [path for path, (kind, _) in targets.items() if kind != stereo.FOGGY]
 
     def _targets(self, frame: Frame) -> dict[Path, tuple[str, str]]:
         """Kind and beta by path of all that is made of a frame; folders and names as they are published."""
-        kinds = ([FOGGY] if self.foggy else []) + ([TRANSMITTANCE] if self.transmittance else [])
-        found = {self.out / f"depth/{frame.id}_depth.npz": (DEPTH, "")} if self.depth else {}
+        kinds = ([stereo.FOGGY] if self.foggy else []) + ([stereo.TRANSMITTANCE] if self.transmittance else [])
+        found = {self.out / "depth" / depth_name(frame.id): (DEPTH, "")} if self.depth else {}
         for kind in kinds:
-            folder = self.out / f"leftImg8bit_{kind}{'DBF' if self.refine == stereo.BILATERAL else ''}"
             for beta in self.betas:
-                found[folder / f"{frame.id}_leftImg8bit_{kind}_beta_{beta}.png"] = kind, beta
+                found[self.out / stereo.published(kind, self.refine, frame.id, beta)] = kind, beta
         return found
 
     def settings(self) -> dict[str, Any]:
@@ -104,7 +104,7 @@ class StereoJob(Job):
         for beta, (image, levels) in zip(betas, refined.foggy(betas, light), strict=True):
             for path, (kind, own) in targets.items():
                 if own == beta and kind != DEPTH:
-                    yield path, encode_png(image if kind == FOGGY else levels, max(self.level, 1))
+                    yield path, encode_png(image if kind == stereo.FOGGY else levels, max(self.level, 1))
 
 
 def fog(request: Request, job: Job) -> tuple[list[Frame], Job]:
@@ -170,4 +170,4 @@ def _frames(request: Request, refine: str) -> list[Frame]:
     ]
 
 
-LAYOUT = Layout(text="Cityscapes, depth completed from stereo", fog=fog, complete=complete)
+LAYOUT = Layout(text="Cityscapes, depth completed from stereo", fog=fog, complete=complete, members=members)

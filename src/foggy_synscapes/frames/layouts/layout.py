@@ -1,6 +1,6 @@
 """What a layout offers: frames of a dataset as it unpacks, and fog on them under its published names."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,16 +26,41 @@ class Request:
 
 
 @dataclass(frozen=True)
+class Wanted:
+    """A shard of foggy images on indexed frames.
+
+    root : folder of the dataset; index : SHA-256 of its files by path
+    completed : shard of depth; lights : three levels by frame, of those that are in the shard
+    beta : 1/m; refine, geometry, level : how transmittance is refined, the rays, and the effort of PNG
+    """
+
+    root: Path
+    index: Mapping[str, str]
+    completed: Path
+    lights: Mapping[str, tuple[int, int, int]]
+    beta: str
+    refine: str
+    geometry: str
+    level: int
+
+
+Member = tuple[str, Callable[[], bytes]]
+"""Name of a file in a shard, and what makes its content."""
+
+
+@dataclass(frozen=True)
 class Layout:
     """A dataset's folders.
 
     text : one line for the help
     fog : (request, what fog on plain folders would do) -> frames, and what is to be made of each
     complete : the same for depth, where the layout has none of its own
+    members : foggy images for a shard, sorted by name; only of a layout whose depth is completed
 
-    Both raise UsageError where the request makes no sense, and FoggyError where there is no frame.
+    The first two raise UsageError where the request makes no sense, and FoggyError where there is no frame.
     """
 
     text: str
     fog: Callable[[Request, Job], tuple[list[Frame], Job]]
     complete: Callable[[Request, Job], tuple[list[Frame], Job]] | None = None
+    members: Callable[[Wanted], Iterator[Member]] | None = None
