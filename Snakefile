@@ -221,6 +221,7 @@ rule all:
 
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/filter.smk"
+include: "workflow/rules/complete.smk"
 include: "workflow/rules/fog.smk"
 include: "workflow/rules/subset.smk"
 include: "workflow/rules/train.smk"

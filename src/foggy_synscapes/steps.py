@@ -9,10 +9,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from foggy_synscapes import stereo_steps
 from foggy_synscapes.datasets import DATASETS, test_settings
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
 from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.frames.layouts import LAYOUTS
 from foggy_synscapes.jobs import Each, Job, Step, Template, Values, listed
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.params import BASELINE, Params
@@ -40,6 +42,7 @@ REGISTRIES: dict[str, Registry] = {
     "datasets": DATASETS,
     "figures": FIGURES,
     "fog_models": MODELS,
+    "layouts": LAYOUTS,
     "networks": NETWORKS,
     "stand_ins": STAND_INS,
     "subsets": KINDS,
@@ -78,6 +81,7 @@ SOURCES: dict[str, Callable[[], dict[str, Template]]] = {
         "kept": KEPT,
         "fog": Each(f"{FOG}/beta_{{row.beta}}", "{shard}.csv", {"shard": ("scenes.shards",)}),
     },
+    "made": stereo_steps.made_images,
     "curves": lambda: {"curves": Each(f"{RESULTS}/train", f"{RUN}/curves.csv", RUNS)},
     "metrics": lambda: {"metrics": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/metrics.json", RUNS)},
     "predictions": lambda: {"predictions": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/predictions.tar", RUNS)},
@@ -184,7 +188,8 @@ def _subset(kind: str) -> Step:
 def fog_shards(params: Params, values: Values) -> list[str]:
     """Shards that hold images of a row's list, which has the hash of each image."""
     entry = params.subset.foggy().get(values["row"])
-    return [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
+    own = [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
+    return own + stereo_steps.made_shards(params, values)
 
 
 def _start_weights(params: Params, values: Values) -> list[str]:
@@ -398,8 +403,10 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
     return [
         *(_scenes(dataset) for dataset in DATASETS),
         _filter(),
+        stereo_steps.complete(),
         _airlight(),
         _fog(),
+        stereo_steps.fog(),
         *(_subset(kind) for kind in KINDS),
         *_trainings(),
         *(_evaluate(row) for row in ROWS),

@@ -15,6 +15,7 @@ ORDER = (
     "registry",
     "schema",
     "fog",
+    "depth",
     "networks",
     "scoring",
     "training",
@@ -29,6 +30,7 @@ ORDER = (
     "tables",
     "tradeoff",
     "jobs",
+    "stereo_steps",
     "steps",
     "provenance",
     "stages",
@@ -85,7 +87,7 @@ def test_no_stage_imports_a_stage() -> None:
 
 
 def test_cores_know_no_path() -> None:
-    cores = ("fog", "networks", "training", "stability")
+    cores = ("fog", "depth", "networks", "training", "stability")
     for core in cores:
         for path in sorted((SOURCE / core).rglob("*.py")):
             names = {

@@ -75,12 +75,12 @@ def test_distances_and_light_agree_with_the_fog_core(stereo_frames: list) -> Non
 def test_refined_frames_have_no_blue_sky() -> None:
     plan = SimpleNamespace(seed=2019, cityscapes=SimpleNamespace(train=40, val=9))
     plan.foggy_cityscapes = SimpleNamespace(train=20, val=1)
-    chosen = foggy_cityscapes.refined(plan)
+    chosen = foggy_cityscapes.refined(plan, plan.foggy_cityscapes)
     assert len(set(chosen)) == 21
     assert all(cityscapes.scene(2019, (32, 64), *clear)[0].scene["sky_contrast"] < 5 for clear in chosen[:5])
     plan.foggy_cityscapes.train = 40
     with pytest.raises(ValueError, match="40 refined"):
-        foggy_cityscapes.refined(plan)
+        foggy_cityscapes.refined(plan, plan.foggy_cityscapes)
 
 
 def test_coarse_labels_are_right_where_they_say_anything() -> None:

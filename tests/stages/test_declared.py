@@ -27,7 +27,7 @@ from foggy_synscapes.stages.subset import subset
 from foggy_synscapes.standin.layouts import STAND_INS
 from foggy_synscapes.steps import job
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG
+from foggy_synscapes.subsets.kind import FOG, MADE
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -154,7 +154,12 @@ def test_what_is_trained_or_tested_on_needs_a_root_and_other_datasets_do_not(doc
 @pytest.mark.parametrize(
     ("section", "key", "value", "message"),
     [
-        ("roots", "rain", "stand-in", "'rain' is no dataset; there are cityscapes, foggy_cityscapes"),
+        (
+            "roots",
+            "rain",
+            "stand-in",
+            "'rain' is no dataset; there are cityscapes, cityscapes_stereo, foggy_",
+        ),
         ("stand_in", "rain", 3, "scenes.stand_in.rain: unknown key"),
         ("stand_in", "foggy_driving", {"fin": 1}, "scenes.stand_in.foggy_driving.fin: unknown key; did you mean fine"),
         ("stand_in", "foggy_driving", 4, "scenes.stand_in.foggy_driving: "),
@@ -216,7 +221,7 @@ def test_declarations_name_what_there_is() -> None:
         assert name in DATASETS
         assert set(STAND_INS[name].others) <= set(STAND_INS)
     for name in KINDS:
-        assert set(KINDS[name].reads) <= {FOG, *DATASETS}
+        assert set(KINDS[name].reads) <= {FOG, MADE, *DATASETS}
     methods = dict(inspect.getmembers(Sources, inspect.isfunction))
     assert set(INPUTS) <= methods.keys()
     assert {name for figure in FIGURES for name in FIGURES[figure].inputs} == set(INPUTS)

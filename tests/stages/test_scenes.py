@@ -11,6 +11,7 @@ from records import index_of
 
 from foggy_synscapes.datasets import DATASETS, cityscapes, foggy_cityscapes, foggy_driving, foggy_zurich, synscapes
 from foggy_synscapes.datasets.index import read_index
+from foggy_synscapes.depth import disparity
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import read_depth, read_grey16, read_ids, read_rgb
@@ -35,10 +36,11 @@ def small(**changes: object) -> Params:
         "synscapes": 7,
         "cityscapes": {"train": 8, "val": 4},
         "foggy_cityscapes": {"train": 4, "val": 2},
+        "cityscapes_stereo": {"train": 3, "val": 1},
         "foggy_driving": {"fine": 3, "coarse": 5},
         "foggy_zurich": 5,
     }
-    section["roots"] |= changes.pop("roots", {})
+    section["roots"] |= {"cityscapes_stereo": "stand-in"} | changes.pop("roots", {})
     section["stand_in"] |= changes
     document["fog"]["frames"] = {"first": 4, "last": 2}
     for kind in ("pure", "mixed"):
@@ -49,7 +51,7 @@ def small(**changes: object) -> Params:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a space in its name, where all five datasets were rendered."""
+    """A folder with a space in its name, where all datasets were rendered."""
     folder = tmp_path_factory.mktemp("stand in")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
@@ -113,6 +115,19 @@ def test_cityscapes_is_complete(here: Path) -> None:
             camera = json.loads((root / cityscapes.camera(name)).read_text())
             assert set(camera["extrinsic"]) == {"baseline", "pitch", "roll", "x", "y", "yaw", "z"}
             assert set(camera["intrinsic"]) == {"fx", "fy", "u0", "v0"}
+
+
+def test_the_stereo_part_is_of_cityscapes_frames_and_its_views_agree(here: Path) -> None:
+    root, names = HERE / "cityscapes_stereo", cityscapes.frames(read_index(index_of("cityscapes_stereo")), "train")
+    assert len(names) == 3
+    for name in names:
+        for kind in (cityscapes.image, cityscapes.disparity, cityscapes.camera, cityscapes.instances):
+            assert (root / kind(name)).read_bytes() == (HERE / "cityscapes" / kind(name)).read_bytes()
+        left, right = read_rgb(root / cityscapes.image(name)), read_rgb(root / cityscapes.right(name))
+        stored = read_grey16(root / cityscapes.disparity(name))
+        matched = stored > 0
+        assert disparity.inconsistent(left, right, stored)[matched].mean() < 0.15
+        assert disparity.inconsistent(left, left, stored)[matched].mean() > 0.2
 
 
 def test_foggy_cityscapes_belongs_to_cityscapes(here: Path) -> None:

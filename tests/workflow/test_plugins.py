@@ -79,7 +79,8 @@ def test_naming_a_folder_of_plugins_runs_only_what_they_add(snakemake: Path, tmp
 
 
 def test_every_kind_of_entry_has_an_example(plugins: None) -> None:
-    assert set(ADDED) == set(REGISTRIES)
+    # Layouts are of commands without params, which know no folder of plugins.
+    assert set(ADDED) == set(REGISTRIES) - {"layouts"}
     for registry, name in ADDED.items():
         assert REGISTRIES[registry][name] is not None
     assert (DATASETS["toy_street"].title, FIGURES["frame_depths"].of_test_set) == ("Toy Street", False)

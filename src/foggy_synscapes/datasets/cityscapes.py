@@ -1,4 +1,4 @@
-"""Cityscapes on disk: `leftImg8bit`, `gtFine`, `disparity` and `camera`, by split and city.
+"""Cityscapes on disk: `leftImg8bit`, `rightImg8bit`, `gtFine`, `disparity` and `camera`, by split and city.
 
 A frame is named by split and stem, e.g. `train/aachen/aachen_000000_000019`.
 """
@@ -14,6 +14,7 @@ from foggy_synscapes.errors import FoggyError
 image = "leftImg8bit/{}_leftImg8bit.png".format
 labels = "gtFine/{}_gtFine_labelIds.png".format
 instances = "gtFine/{}_gtFine_instanceIds.png".format
+right = "rightImg8bit/{}_rightImg8bit.png".format
 disparity = "disparity/{}_disparity.png".format  # 16-bit, (value - 1) / 256 pixels, 0 where missing
 camera = "camera/{}_camera.json".format
 

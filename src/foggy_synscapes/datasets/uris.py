@@ -13,6 +13,8 @@ from foggy_synscapes.io.hashing import checked, read_checked
 from foggy_synscapes.io.shards import Shard
 
 RECIPE = ".json"
+MADE = "cityscapes"
+"""Folder of shards of Foggy Cityscapes made here, below that of fog."""
 OPEN_SHARDS = 64
 """Shards held open at once; 50 hold the whole of Synscapes at one beta."""
 
@@ -25,6 +27,11 @@ def of_dataset(dataset: str, path: str) -> str:
 def of_fog(beta: str, shard: str, member: str) -> str:
     """URI of a foggy image in a shard."""
     return f"fog:beta_{beta}/{shard}.tar#{member}"
+
+
+def of_made(beta: str, shard: str, member: str) -> str:
+    """URI of an image of Foggy Cityscapes made here."""
+    return f"fog:{MADE}/beta_{beta}/{shard}.tar#{member}"
 
 
 def recipe(member: str) -> str:

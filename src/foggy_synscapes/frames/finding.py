@@ -14,8 +14,8 @@ IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 class Frame:
     """A frame's files: its id as written in tables and file names, and where image, depth and camera are read.
 
-    The camera is a JSON file, or the depth file itself, whose header may hold it; `checksums` are the SHA-256 that the
-    three must have, where they are known.
+    The camera is a JSON file, or the depth file itself, whose header may hold it; `checksums` are the SHA-256 that its
+    `files` must have, where they are known.
     """
 
     id: str
@@ -24,8 +24,8 @@ class Frame:
     camera: Path
     checksums: Sequence[str] = ()
 
-    def files(self) -> tuple[Path, Path, Path]:
-        """Image, depth and camera."""
+    def files(self) -> tuple[Path, ...]:
+        """All files that it is made of: image, depth and camera."""
         return self.rgb, self.depth, self.camera
 
     def name(self, beta: str) -> str:

@@ -2,12 +2,16 @@
 
 import json
 import os
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any, ClassVar
 
+import numpy as np
+
+from foggy_synscapes.camera import Camera
 from foggy_synscapes.errors import UNFORESEEN, FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fog.geometry import Rays
@@ -37,6 +41,8 @@ class Job:
     treatment: str
     model: str = "homogeneous"
 
+    made: ClassVar[str] = "beta_*/*/[!.]*"  # what images below `out` are called
+
     def name(self, path: Path) -> str:
         """What an image is called in the folder."""
         return path.relative_to(self.out).as_posix()
@@ -46,6 +52,24 @@ class Job:
         foggy = [self.out / f"beta_{beta}" / "foggy_img" / frame.name(beta) for beta in self.betas]
         maps = [self.out / f"beta_{beta}" / "transmittance" / frame.name(beta) for beta in self.betas]
         return foggy, maps if self.transmittance else []
+
+    def settings(self) -> dict[str, Any]:
+        """What decides the pixels, beside the frames and the code: equal for all images in one folder."""
+        return {
+            "geometry": self.geometry,
+            "model": self.model,
+            "blue_airlight": self.treatment,
+            "png_level": self.level,
+        }
+
+    def open(self, frame: Frame) -> tuple[str, "Make"]:
+        """Read a frame's files: what tells them from all others, and what makes the wanted ones of its `paths`."""
+        rgb, depth = (read_input(frame, path, number) for number, path in enumerate((frame.rgb, frame.depth)))
+        if frame.checksums:
+            read_input(frame, frame.camera, 2)
+        camera = rendering.read_camera(frame.camera)
+        about = sha256_bytes(rgb), sha256_bytes(depth), vars(camera)
+        return sha256_bytes(json.dumps(about).encode()), partial(_make, frame, self, rgb, depth, camera)
 
 
 @dataclass(frozen=True)
@@ -84,6 +108,10 @@ class Done:
         self.warnings += other.warnings
 
 
+Make = Callable[[set[Path], Done], None]
+"""Makes the wanted images of a frame, and tells of airlight and warnings."""
+
+
 def fog_frames(frames: list[Frame], job: Job, processes: int, known: dict[str, Made]) -> Generator[Done, None, None]:
     """Fog frame by frame, results in the order of `frames`.
 
@@ -105,12 +133,7 @@ def fog_frame(frame: Frame, job: Job, known: Made | None = None) -> Done:
     """Make what is missing of one frame, and what is not as it was made of these very inputs."""
     done = Done(frame.id)
     try:
-        rgb, depth = (_input(frame, path, number) for number, path in enumerate((frame.rgb, frame.depth)))
-        if frame.checksums:
-            _input(frame, frame.camera, 2)
-        camera = rendering.read_camera(frame.camera)
-        about = sha256_bytes(rgb), sha256_bytes(depth), vars(camera)
-        of = sha256_bytes(json.dumps(about).encode())
+        of, make = job.open(frame)
         if known is not None and known.of != of:
             known = None
         paths = [path for kind in job.paths(frame) for path in kind]
@@ -119,15 +142,8 @@ def fog_frame(frame: Frame, job: Job, known: Made | None = None) -> Done:
             done.frame, done.blue, done.kept = known, not known.images, len(paths) - len(wanted)
             return done
         done.kept, done.again = len(paths) - len(wanted), sum(os.path.lexists(path) for path in wanted)
-        # What is no PNG is read by a library that opens files itself.
-        source = rgb if rgb.startswith(SIGNATURE) else frame.rgb
-        clear = rendering.read_clear(source, depth, str(frame.rgb), str(frame.depth))
-        light, done.blue = rendering.airlight_of(clear.image, job.treatment)
-        done.warnings = clear.warnings(light)
-        done.frame = Made(of, (*light.levels, light.row, light.column), dict(known.images) if known else {})
-        if not (done.blue and job.treatment == rendering.DROP):
-            rays = rendering.rays_of(clear, camera, str(frame.camera), job.geometry)
-            _make(frame, job, clear, rays, light, wanted, done)
+        done.frame = Made(of, done.frame.light, dict(known.images) if known else {})
+        make(wanted, done)
     except FoggyError as error:
         done.error = str(error)
     except OSError as error:
@@ -137,30 +153,54 @@ def fog_frame(frame: Frame, job: Job, known: Made | None = None) -> Done:
     return done
 
 
-def _make(
-    frame: Frame, job: Job, clear: rendering.Clear, rays: Rays, light: Airlight, wanted: set[Path], done: Done
-) -> None:
+def _make(frame: Frame, job: Job, rgb: bytes, depth: bytes, camera: Camera, wanted: set[Path], done: Done) -> None:
+    # What is no PNG is read by a library that opens files itself.
+    source = rgb if rgb.startswith(SIGNATURE) else frame.rgb
+    clear = rendering.read_clear(source, depth, str(frame.rgb), str(frame.depth))
+    light = take_airlight(clear.image, job, done)
+    done.warnings = clear.warnings(light)
+    if not (done.blue and job.treatment == rendering.DROP):
+        rays = rendering.rays_of(clear, camera, str(frame.camera), job.geometry)
+        write(job, _encoded(frame, job, clear, rays, light, wanted), done)
+
+
+def _encoded(
+    frame: Frame, job: Job, clear: rendering.Clear, rays: Rays, light: Airlight, wanted: set[Path]
+) -> Iterator[tuple[Path, bytes]]:
     foggy, maps = job.paths(frame)
+    kinds = (
+        (foggy, partial(rendering.foggy_pngs, job.model, clear, rays, light)),
+        (maps, partial(rendering.transmittance_pngs, job.model, clear, rays)),
+    )
+    for paths, encode in kinds:
+        missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
+        if missing:
+            yield from zip(missing, encode(list(missing.values()), job.level), strict=True)
+
+
+def take_airlight(image: np.ndarray, job: Job, done: Done) -> Airlight:
+    """Atmospheric light of a frame's image, uint8 (H, W, 3), which is noted in `done`."""
+    light, done.blue = rendering.airlight_of(image, job.treatment)
+    done.frame = replace(done.frame, light=(*light.levels, light.row, light.column))
+    return light
+
+
+def write(job: Job, files: Iterable[tuple[Path, bytes]], done: Done) -> None:
+    """Write files as they come, and note them in `done`."""
     # Files are synced one by one: several at a time wait for the disk together.
     with ThreadPoolExecutor(WRITERS) as writer:
-        kinds = (
-            (foggy, partial(rendering.foggy_pngs, job.model, clear, rays, light)),
-            (maps, partial(rendering.transmittance_pngs, job.model, clear, rays)),
-        )
         pending = []
-        for paths, encode in kinds:
-            missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
-            for path, data in zip(missing, encode(list(missing.values()), job.level) if missing else (), strict=True):
-                pending.append(writer.submit(write_bytes, path, data))
-                done.frame.images[job.name(path)] = sha256_bytes(data)
-                done.made += 1
-                done.bytes += len(data)
+        for path, data in files:
+            pending.append(writer.submit(write_bytes, path, data))
+            done.frame.images[job.name(path)] = sha256_bytes(data)
+            done.made += 1
+            done.bytes += len(data)
         for written in pending:
             written.result()
 
 
-def _input(frame: Frame, path: Path, number: int) -> bytes:
-    """Content of a frame's file, checked against what it must have, where that is known."""
+def read_input(frame: Frame, path: Path, number: int) -> bytes:
+    """Content of one of a frame's `files`, checked against what it must have, where that is known."""
     data = read_bytes(path, "file", f"It is of frame {frame.id}.")
     if frame.checksums and (digest := sha256_bytes(data)) != (wanted := frame.checksums[number]):
         raise FoggyError(f"{path}: its sha256 is {digest[:12]}..., but --checksums has {wanted[:12]}...")

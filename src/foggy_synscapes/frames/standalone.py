@@ -14,7 +14,7 @@ from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.fog.optics import lighter_than_fog
-from foggy_synscapes.frames import folders, journal
+from foggy_synscapes.frames import by_layout, folders, journal
 from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers, write_text
@@ -32,6 +32,7 @@ SHOWN = 10  # errors and warnings printed in full
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of fog on any frames."""
+    by_layout.arguments(parser)
     frames = parser.add_argument_group("frames", "foggy images of any frames; no params file is needed")
     frames.add_argument("--synscapes", type=Path, metavar="ROOT", help="folder with img/rgb, img/depth and meta")
     frames.add_argument("--rgb", type=Path, metavar="DIR", help="or: folder of 8-bit RGB images")
@@ -91,13 +92,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, code: str) -> None:
     """Fog the frames that the command line names; `code` is the digest of the code that renders."""
-    betas = _betas(args.beta or [])
+    betas = betas_of(args.beta or [])
     for warning in filter(None, (lighter_than_fog(float(beta)) for beta in betas)):
         print(f"warning: {warning}", file=sys.stderr)
     if args.out is None or not betas:
-        raise UsageError("give --beta and --out, and --synscapes or --rgb, --depth and --camera (or --shard)")
-    if args.jobs < 1:
-        raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
+        raise UsageError(
+            "give --beta and --out, and --synscapes, --layout, or --rgb, --depth and --camera (or --shard)"
+        )
+    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
+    job = folders.Job(args.out, betas, *options)
+    if args.layout is not None:
+        frames, job = by_layout.frames(args, job)
+        fog(checked(frames, args.checksums), job, code, jobs=args.jobs, keep_going=args.keep_going)
+        return
+    by_layout.refuse_without_layout(args)
     if args.camera and args.camera_in_depth:
         raise UsageError("--camera and --camera-in-depth: give one of them")
     if args.camera is not None:
@@ -108,15 +116,19 @@ def run(args: argparse.Namespace, code: str) -> None:
         frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
     else:
         raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
-    if args.checksums is not None:
-        listed = Checksums(args.checksums)
-        frames = [replace(each, checksums=[listed.of(path) for path in each.files()]) for each in frames]
-    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
-    job = folders.Job(args.out, betas, *options)
+    frames = checked(frames, args.checksums)
     fog(frames, job, code, args.camera, jobs=args.jobs, keep_going=args.keep_going)
 
 
-def _betas(texts: list[str]) -> list[str]:
+def checked(frames: list[Frame], checksums: Path | None) -> list[Frame]:
+    """Frames whose files must be as a list of SHA-256 says, where there is one."""
+    if checksums is None:
+        return frames
+    listed = Checksums(checksums)
+    return [replace(each, checksums=[listed.of(path) for path in each.files()]) for each in frames]
+
+
+def betas_of(texts: list[str]) -> list[str]:
     """Betas as folders spell them; 0 is the clear image."""
     betas: dict[str, str] = {}
     for text in texts:
@@ -138,19 +150,25 @@ def fog(
     camera: Path | None = None,
     jobs: int = 1,
     keep_going: bool = False,
+    word: str = "fog",
 ) -> None:
-    """Write foggy images of frames, and the table of their atmospheric light, below `job.out`.
+    """Write what `job` makes of frames, and the table of their atmospheric light, below `job.out`.
 
     Images that an earlier run finished with the same settings are kept, if they and their inputs have the content that
     they had then, wherever they lie. Another run may be at work on other frames in the same folder.
 
+    word : of the command, for messages
     code : digest of the code that renders; camera : file of the camera, where all frames have the same
 
     Raises
     ------
+    UsageError
+        If `jobs` is below 1.
     FoggyError
         Naming the broken frames; with `keep_going` after all others are finished.
     """
+    if jobs < 1:
+        raise UsageError(f"--jobs {jobs}: expected 1 or more")
     table = job.out / "airlight.csv"
     with lock.of_folder(job.out):
         own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
@@ -162,7 +180,7 @@ def fog(
     broken: dict[str, str] = {}
     blue: list[str] = []
     with closing(folders.fog_frames(frames, job, jobs, known)) as results:
-        for done in progress(results, "fog", total=len(frames), unit="frame"):
+        for done in progress(results, word, total=len(frames), unit="frame"):
             if done.error:
                 broken[done.id] = done.error
                 if keep_going:
@@ -181,12 +199,12 @@ def fog(
         print(f"warning: {warning}", file=sys.stderr)
     if blue:
         answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
-        print(f"fog: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
+        print(f"{word}: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
     if total.again:
-        print(f"fog: {total.again} images in {job.out} were not as these inputs make them, and were made again")
+        print(f"{word}: {total.again} images in {job.out} were not as these inputs make them, and were made again")
     seconds = time.perf_counter() - started
     print(
-        f"fog: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
+        f"{word}: {len(found)} frames, {len(job.betas)} betas, {total.made} images made, {total.kept} kept, "
         f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
     )
     if broken:
@@ -206,15 +224,12 @@ def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Pa
     settings = {
         "camera": _camera(frames, camera),
         "code": code[:16],
-        "geometry": job.geometry,
-        "model": job.model,
-        "blue_airlight": job.treatment,
-        "png_level": job.level,
+        **job.settings(),
         "foggy_synscapes": __version__,
     }
     path = job.out / SETTINGS
     if not os.path.lexists(path):
-        if any(job.out.glob("beta_*/*/[!.]*")):
+        if any(job.out.glob(job.made)):
             raise FoggyError(
                 f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
                 "delete the folder."

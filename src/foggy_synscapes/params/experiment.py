@@ -9,6 +9,7 @@ from pydantic import Field, FiniteFloat, create_model, model_validator
 
 from foggy_synscapes.datasets.dataset import STAND_IN
 from foggy_synscapes.fog.optics import lighter_than_fog
+from foggy_synscapes.params.complete import Complete
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
 from foggy_synscapes.params.names import Device, Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
@@ -16,7 +17,7 @@ from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG
+from foggy_synscapes.subsets.kind import FOG, MADE
 from foggy_synscapes.training.policy import Policy
 
 Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
@@ -130,6 +131,7 @@ class Params(Section):
     gpu: Gpu
     scenes: Scenes
     filter: Filter
+    complete: Complete | None = setting("fog on Cityscapes made here, from stereo; null: none is", default=None)
     fog: Fog
     subset: Subset
     train: Train
@@ -159,8 +161,19 @@ class Params(Section):
                     f"fog.frames: the lists in subset ask for the first {ends[0]} and the last {ends[1]} kept frames, "
                     f"got first {self.fog.frames.first} and last {self.fog.frames.last}"
                 )
+        made, asked_for = (
+            set(self.complete.betas if self.complete else []),
+            {entry.beta for entry in self.subset.made_here().values()},
+        )
+        if made != asked_for:
+            raise ValueError(
+                f"complete.betas: has {', '.join(sorted(made)) or 'none'}, but the lists of fog that is made, such as "
+                f"subset.made, ask for {', '.join(sorted(asked_for)) or 'none'}; they have to be the same"
+            )
         names = [name for rows in self.subset.kinds().values() for name in rows]
-        read = {name for kind, rows in self.subset.kinds().items() if rows for name in KINDS[kind].reads} - {FOG}
+        read = {name for kind, rows in self.subset.kinds().items() if rows for name in KINDS[kind].reads}
+        read -= {FOG, MADE}
+        read |= {"cityscapes_stereo"} if self.complete else set()
         absent = sorted({*read, *self.evaluate.test_sets, self.tradeoff.test_set} - set(self.scenes.roots))
         if absent:
             raise ValueError(f"scenes.roots: {', '.join(absent)} missing, which evaluate, tradeoff or subset needs")

@@ -8,7 +8,7 @@ from pydantic import Field, create_model, model_validator
 from foggy_synscapes.params.names import FogModelName, RowName
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG, FoggyRow, Row
+from foggy_synscapes.subsets.kind import FOG, MADE, FoggyRow, Row
 
 
 class Ends(Section):
@@ -76,7 +76,14 @@ class Subset(Section):
 
     def foggy(self) -> dict[str, FoggyRow]:
         """The lists of Foggy Synscapes images by row name."""
-        kinds = [rows for kind, rows in self.kinds().items() if FOG in KINDS[kind].reads]
+        return self._reading(FOG)
+
+    def made_here(self) -> dict[str, FoggyRow]:
+        """The lists of fog on Cityscapes that is made here, by row name."""
+        return self._reading(MADE)
+
+    def _reading(self, images: str) -> dict[str, FoggyRow]:
+        kinds = [rows for kind, rows in self.kinds().items() if images in KINDS[kind].reads]
         return {row: entry for rows in kinds for row, entry in rows.items() if isinstance(entry, FoggyRow)}
 
 

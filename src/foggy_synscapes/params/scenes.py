@@ -48,6 +48,9 @@ class Scenes(Section):
     refined_list: Annotated[str, Field(pattern=LIST_PATTERN), Range("path of a .txt file")] = setting(
         "in the Foggy Cityscapes root: its 498 + 52 refined images"
     )
+    stereo_list: Literal["all"] | Annotated[str, Field(pattern=LIST_PATTERN), Range("path of a .txt file")] = setting(
+        "in the cityscapes_stereo root: frames on which fog is made here; all: those with a right view"
+    )
     zurich_list: Literal["testv1", "testv2"] = setting(
         "testv2: 40 images; testv1: 16", published="testv2", source="section IV"
     )

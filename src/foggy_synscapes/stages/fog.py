@@ -1,7 +1,6 @@
 """fog: the airlight of a shard's frames, and the shard of foggy images at one beta; alone: fog on any frames."""
 
 import argparse
-import json
 import shutil
 import sys
 from collections.abc import Iterator
@@ -13,7 +12,8 @@ from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.frames import recipes, rendering, standalone
-from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.frames.layouts import LAYOUTS, Wanted
+from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.files import named, read_bytes
 from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.progress import progress
@@ -21,7 +21,7 @@ from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance import source_digest, unfinished
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.results import root
 from foggy_synscapes.steps import REGISTRIES, job
@@ -36,22 +36,31 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     standalone.arguments(parser)
     job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it; with one --beta or --airlight")
     job.add_argument("--shard", metavar="NAME", help="shard of Synscapes, e.g. 0000")
+    job.add_argument("--stereo", metavar="NAME", help="shard of Cityscapes' stereo frames, e.g. 0000")
     job.add_argument("--airlight", action="store_true", help="estimate the atmospheric light only")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    if args.shard is not None or args.airlight:
+    if args.shard is not None or args.stereo is not None or args.airlight:
         _run_job(args)
     else:
-        standalone.run(args, source_digest.identity(*source_digest.code("fog", (), REGISTRIES)))
+        layout = (f"layouts.{args.layout}",) if args.layout else ()
+        standalone.run(args, source_digest.identity(*source_digest.code("fog", layout, REGISTRIES)))
 
 
 def _run_job(args: argparse.Namespace) -> None:
-    alone_only = [name for name in ("synscapes", "rgb", "depth", "out", "ids", "camera") if getattr(args, name)]
+    alone_only = [
+        name for name in ("synscapes", "rgb", "depth", "out", "ids", "camera", "layout") if getattr(args, name)
+    ]
     if alone_only:
-        raise UsageError(f"--{alone_only[0]} is not for jobs of the pipeline (--shard, --airlight)")
+        raise UsageError(f"--{alone_only[0]} is not for jobs of the pipeline (--shard, --stereo, --airlight)")
     betas = args.beta or []
+    if args.stereo is not None:
+        if args.shard is not None or args.airlight or len(betas) != 1:
+            raise UsageError("--stereo goes with one --beta")
+        fog_made(load(args.params), betas[0], args.stereo)
+        return
     if args.shard is None or bool(betas) == args.airlight or len(betas) > 1:
         raise UsageError("a job of the pipeline has --shard and either --airlight or one --beta")
     params = load(args.params)
@@ -97,7 +106,7 @@ def fog(params: Params, beta: str, shard: str) -> None:
     """
     run = Run(job(params, "fog", beta=beta, shard=shard))
     rendering.keep_memory()
-    finished = _finished(run)
+    finished = unfinished.folder_of(run)
     dropped: list[int] = []
     members = write_shard(run.job.output("shard"), _members(run.job, finished, dropped))
     write_manifest(run.job.output("manifest"), members)
@@ -105,6 +114,40 @@ def fog(params: Params, beta: str, shard: str) -> None:
     shutil.rmtree(finished)
     left_out = f"; {len(dropped)} left out for their blue atmospheric light" if dropped else ""
     print(f"fog: shard {shard} at beta {beta} / m{left_out}")
+
+
+def fog_made(params: Params, beta: str, shard: str) -> None:
+    """Write a shard of Foggy Cityscapes at one beta, of depth completed from stereo, and its manifest.
+
+    Frames that an interrupted run of the same job finished are kept.
+
+    Raises FoggyError if there is no such job, or a file is missing, damaged or not as indexed.
+    """
+    made = params.complete
+    if made is None or shard not in made.shards or beta not in made.betas:
+        known = f"shards {', '.join(made.shards)}, betas {', '.join(made.betas)}" if made else "none"
+        raise UsageError(f"--stereo {shard} --beta {beta}: not in the params section complete, which has {known}")
+    run = Run(job(params, "fog_made", beta=beta, stereo=shard))
+    finished = unfinished.folder_of(run)
+    index, light = read_index(run.job.input("index")), run.job.input("airlight")
+    with named(light, "table of airlight"):
+        rows = read_csv(light, COLUMNS[:4])
+        lights = {row["id"]: (int(row["red"]), int(row["green"]), int(row["blue"])) for row in rows}
+    where = root(params, "cityscapes_stereo"), index, run.job.input("depth"), lights
+    members = LAYOUTS["cityscapes"].members
+    assert members is not None  # it completes depth
+    wanted = members(Wanted(*where, beta, made.refine, params.fog.geometry, params.fog.png_level))
+
+    def images() -> Iterator[tuple[str, bytes]]:
+        for name, make in progress(wanted, f"fog made {beta} {shard}", total=len(lights), unit="frame"):
+            if not is_whole_png(finished / name):
+                write_bytes(finished / name, make())
+            yield name, (finished / name).read_bytes()
+
+    write_manifest(run.job.output("manifest"), write_shard(run.job.output("shard"), images()))
+    run.finish()
+    shutil.rmtree(finished)
+    print(f"fog: {len(lights)} images of shard {shard} made at beta {beta} / m")
 
 
 def _members(job: Job, finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
@@ -155,15 +198,3 @@ def _frames(params: Params, shard: str, kept: Path) -> dict[int, Camera]:
     with named(kept, "table of frames"):
         asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
         return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}
-
-
-def _finished(run: Run) -> Path:
-    """Folder of the images that an interrupted run of this very job finished; emptied where any input has changed."""
-    shard = run.job.output("shard")
-    folder = shard.parent / f".{shard.stem}"
-    note, text = folder / "job.json", json.dumps(run.identity(), indent=1)
-    if not note.is_file() or read_bytes(note) != text.encode():
-        if folder.is_dir():
-            shutil.rmtree(folder)
-        write_text(note, text)
-    return folder

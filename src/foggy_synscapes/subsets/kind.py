@@ -16,8 +16,9 @@ Line = tuple[str, str, str, str]
 """URI of an image, its SHA-256, URI of its label map, its SHA-256."""
 Lists = tuple[list[Line], list[Line]]
 """The training and the validation list."""
-FOG = "fog"
-"""In `Kind.reads`: the kept frames and the shards of Foggy Synscapes at the entry's beta."""
+FOG, MADE = "fog", "made"
+"""In `Kind.reads`: the kept frames and the shards of Foggy Synscapes at the entry's beta; the shards of Foggy
+Cityscapes made here at that beta."""
 
 
 class Sources:
@@ -42,10 +43,13 @@ class Sources:
         with named(path, "table of frames"):
             return [int(line["id"]) for line in read_csv(path, ("id",))]
 
-    def foggy(self) -> dict[str, tuple[str, str]]:
-        """Shard and SHA-256 by name of each foggy image, or of its recipe, at the beta of the list."""
+    def foggy(self, made: str = FOG) -> dict[str, tuple[str, str]]:
+        """Shard and SHA-256 by name of each foggy image, or of its recipe, at the beta of the list.
+
+        made : what is read, FOG or MADE
+        """
         return {
-            member.name: (path.stem, member.sha256) for path in self._inputs("fog") for member in read_manifest(path)
+            member.name: (path.stem, member.sha256) for path in self._inputs(made) for member in read_manifest(path)
         }
 
 
@@ -73,8 +77,8 @@ class Kind:
     """A kind of list.
 
     text : what its lists are, in a few words
-    entry : model of an entry in the params section `subset`; a FoggyRow where FOG is read
-    reads : datasets whose indexes it reads, and FOG
+    entry : model of an entry in the params section `subset`; a FoggyRow where FOG or MADE is read
+    reads : datasets whose indexes it reads, FOG and MADE
     lists : (sources, entry, its dotted key in the params) -> lists; FoggyError if there is less than is asked for
     keys : dotted keys of params that it reads beside the entry
     order : place among the kinds in a params file
@@ -88,7 +92,7 @@ class Kind:
     order: int = 9
 
     def __post_init__(self) -> None:
-        if FOG in self.reads and not issubclass(self.entry, FoggyRow):
+        if {FOG, MADE} & {*self.reads} and not issubclass(self.entry, FoggyRow):
             raise ValueError(f"entry: {self.entry.__name__} has no beta, by which fog is read; derive it from FoggyRow")
 
 

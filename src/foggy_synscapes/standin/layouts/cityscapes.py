@@ -42,7 +42,8 @@ def scene(seed: int, size: tuple[int, int], split: str, number: int) -> tuple[Sc
     return shown, stereo.measure(shown, np.random.default_rng((*stream, number, 1)))
 
 
-def _render(seed: int, size: tuple[int, int], split: str, number: int) -> list[Any]:
+def render_frame(seed: int, size: tuple[int, int], split: str, number: int) -> list[Any]:
+    """Image, labelIds, instance ids, disparity and camera of a frame."""
     shown, disparity = scene(seed, size, split, number)
     camera = shown.rig.metadata()
     camera["extrinsic"]["baseline"] = stereo.BASELINE
@@ -56,7 +57,7 @@ def _frames(plan: Any) -> list[Frame]:
     for split in CITIES:
         for number in range(getattr(plan.cityscapes, split)):
             paths = [kind(name(plan, split, number)) for kind in kinds]
-            found.append(Frame(paths, _render, (plan.seed, plan.size, split, number)))
+            found.append(Frame(paths, render_frame, (plan.seed, plan.size, split, number)))
     return found
 
 

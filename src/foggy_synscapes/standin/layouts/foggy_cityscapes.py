@@ -11,14 +11,14 @@ from foggy_synscapes.standin.style import is_blue
 BETAS = foggy_cityscapes.BETAS
 
 
-def refined(plan: Any) -> list[tuple[str, int]]:
-    """Splits and numbers of the refined frames: those without a blue sky, spread evenly.
+def refined(plan: Any, counts: cityscapes.CityscapesCounts) -> list[tuple[str, int]]:
+    """Splits and numbers of so many refined frames: of those without a blue sky, spread evenly.
 
-    Raises ValueError if there are fewer than the plan asks for.
+    Raises ValueError if there are fewer.
     """
     chosen = []
     for split, stream in cityscapes.STREAMS.items():
-        numbers, count = range(getattr(plan.cityscapes, split)), getattr(plan.foggy_cityscapes, split)
+        numbers, count = range(getattr(plan.cityscapes, split)), getattr(counts, split)
         fitting = [number for number in numbers if not is_blue((plan.seed, stream), number)]
         if count > len(fitting):
             raise ValueError(f"{count} refined frames of {len(fitting)} without a blue sky; ask for fewer")
@@ -38,13 +38,14 @@ def _frames(plan: Any) -> list[Frame]:
             _render,
             (plan.seed, plan.size, *clear),
         )
-        for clear in refined(plan)
+        for clear in refined(plan, plan.foggy_cityscapes)
     ]
 
 
 def _list(_frames: list[Frame], scenes: Any) -> Files:
     plan = scenes.stand_in
-    return [lines(scenes.refined_list, (cityscapes.name(plan, *clear) for clear in refined(plan)))]
+    names = (cityscapes.name(plan, *clear) for clear in refined(plan, plan.foggy_cityscapes))
+    return [lines(scenes.refined_list, names)]
 
 
 def _check(plan: Any) -> None:

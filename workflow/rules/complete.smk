@@ -1,0 +1,25 @@
+for step in steps("complete"):
+
+    rule:
+        """Complete depth from stereo."""
+        name:
+            step.name
+        input:
+            inputs(step),
+        output:
+            outputs(step),
+        log:
+            log_file(step),
+        benchmark:
+            benchmark_file(step)
+        wildcard_constraints:
+            **constraints(step),
+        resources:
+            mem_mb=memory(step),
+            runtime=step.minutes,
+        params:
+            command=command(step),
+            reads=reads(step),
+            code=code(step),
+        shell:
+            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
