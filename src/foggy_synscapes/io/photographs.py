@@ -83,7 +83,12 @@ def encode_photograph(pixels: np.ndarray) -> bytes:
         raise ValueError(f"pixels: {pixels.dtype} {pixels.shape}, expected uint8 (H, W, 3)")
     height, width = pixels.shape[:2]
     rows = np.ascontiguousarray(pixels).reshape(height, 3 * width)
-    return next(encode_photographs((1, height, width), lambda wanted, lines: _filter(rows[wanted], lines[0])))
+    sampled = rows[::STEP].copy()
+    sample = np.empty((1, len(sampled) * (1 + 3 * width)), np.uint8)
+    _filter(sampled, sample[0])
+    _, memory = _memory((1, height, width), sample)
+    _append_all(rows, *memory)
+    return next(_files((1, height, width), *memory))
 
 
 def _memory(shape: tuple[int, int, int], sample: np.ndarray) -> tuple[np.ndarray, tuple]:
@@ -127,6 +132,13 @@ def code_lengths(counts):
     for i in range(counts.size):
         lengths[order[i]] = weights[i]
     return lengths
+
+
+@jit
+def _append_all(pixels, size, coding, sample, lines, tables, state, out):
+    for row in range(0, size[0], STEP):
+        _filter(pixels[row : row + STEP], lines[0])
+        _append(row, size, coding, sample, lines, tables, state, out)
 
 
 @jit
