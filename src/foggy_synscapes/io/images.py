@@ -1,8 +1,8 @@
 """Reading and writing images: strict about what a file holds, near the speed of its codec.
 
 Who does what, and why it is not one library (CPU ms per 1440 x 720 image, one thread):
-PNG is inflated by ISA-L, every checksum verified, and unfiltered by libspng (12 together for foggy ones; libspng alone,
-which verifies no checksum, 24, OpenImageIO 40); it is encoded by the Up filter and ISA-L's deflate (11; OpenImageIO at its fastest 45).
+PNG is inflated by ISA-L, every checksum verified, and unfiltered by libspng (12 for a foggy image; libspng alone, which
+verifies no checksum, 24); it is encoded by the Up filter and ISA-L's deflate (11; OpenImageIO at its fastest 45).
 EXR depth is read and written by OpenEXR (17; OpenImageIO 30). OpenImageIO reads colour images that are no PNG.
 """
 
