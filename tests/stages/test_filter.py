@@ -65,15 +65,22 @@ def test_the_record_names_no_folder_of_the_machine(params: Params, tmp_path: Pat
     assert str(tmp_path) not in Path("results/filter/run.json").read_text()
 
 
-def test_a_missing_scene_key_is_named(params: Params, tmp_path: Path) -> None:
+def test_a_value_that_is_missing_ends_no_run_and_is_counted(params: Params, tmp_path: Path, capsys) -> None:
+    """Keys that no rule uses do not matter; a frame without the one that a rule uses is left out, with the reason."""
+    write_meta(tmp_path, 1, fence_presence=True, ego_speed=None, more="x")
+    write_meta(tmp_path, 2, sky_contrast=float("nan"))
     path = tmp_path / 'it\'s a "root"' / "meta/2.json"
     document = json.loads(path.read_text())
     del document["scene"]["ego_speed"]
     path.write_text(json.dumps(document))
     listed(params)
-    with pytest.raises(FoggyError, match=r"2\.json: scene key ego_speed missing"):
-        filter(params)
-    assert not Path("results/filter").exists()
+    filter(params)
+    rows = {row["id"]: row for row in read_csv("results/filter/frames.csv")}
+    assert (rows["1"]["kept"], rows["1"]["fence_presence"], rows["1"]["ego_speed"]) == ("1", "1", "nan")
+    assert (rows["2"]["kept"], rows["2"]["reason"]) == ("0", "sky_contrast nan above 5")
+    told = capsys.readouterr().out
+    assert "ego_speed is missing, or no number, in the meta files of 2 frames" in told
+    assert "sky_contrast is missing, or no number, in the meta files of 1 frames" in told
 
 
 @pytest.mark.parametrize(

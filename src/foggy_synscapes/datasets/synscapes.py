@@ -3,6 +3,7 @@
 Source: Wrenninge and Unger, Synscapes: A Photorealistic Synthetic Dataset for Street Scene Parsing, 2018.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +29,8 @@ SCENE_KEYS = (
 # (R + 256 G + 65536 B) and meta file.
 rgb, depth, class_ = "img/rgb/{}.png".format, "img/depth/{}.exr".format, "img/class/{}.png".format
 instance, meta = "img/instance/{}.png".format, "meta/{}.json".format
+
+LARGEST_VALUE = 1e300
 
 
 @dataclass(frozen=True)
@@ -67,21 +70,24 @@ def read_camera(path: str | Path) -> Camera:
 
 
 def read_meta(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> Meta:
-    """Read a meta file; unknown keys are tolerated, a missing one is a FoggyError that names it.
+    """Read a meta file. Truth values are 0 and 1; what is missing, null or infinite is NaN; further keys do not count.
 
     `check` is given the file's bytes and returns them, or raises where they are not the expected ones.
+
+    Raises FoggyError if it is no meta file, or a scene key has a word or a list for its value.
     """
     document = _read(path, check)
     scene = document.get("scene")
     if not isinstance(scene, dict):
         raise FoggyError(f"{path}: no section `scene`; is this a Synscapes meta file?")
-    missing = [key for key in SCENE_KEYS if key not in scene]
-    if missing:
-        raise FoggyError(f"{path}: scene key {', '.join(missing)} missing")
+    values: dict[str, float] = {}
     for key in SCENE_KEYS:
-        if isinstance(scene[key], bool) or not isinstance(scene[key], int | float):
-            raise FoggyError(f"{path}: scene key {key} is {scene[key]!r}, expected a number")
-    return Meta(_camera(document, path), {key: scene[key] for key in SCENE_KEYS}, document.get("instance", {}))
+        value = scene.get(key)
+        if not isinstance(value, int | float | None):
+            raise FoggyError(f"{path}: scene key {key} is {value!r}, expected a number")
+        value = int(value) if isinstance(value, bool) else value
+        values[key] = math.nan if value is None or not abs(value) < LARGEST_VALUE else value
+    return Meta(_camera(document, path), values, document.get("instance", {}))
 
 
 def _read(path: str | Path, check: Callable[[bytes], bytes] = bytes) -> dict[str, Any]:

@@ -33,6 +33,8 @@ def cut_histogram(
     cuts : ("minimum" or "maximum", value), drawn as lines
     """
     measured, inside = np.asarray(values, float), np.asarray(kept, bool)
+    known = np.isfinite(measured)  # a meta file may lack it
+    measured, inside = measured[known], inside[known]
     low, high = measured.min(), measured.max()
     width = (high - low) / BINS or 1.0
     # Bins begin at the cut: one that it divides would mix what is kept with what is not.

@@ -36,7 +36,7 @@ def filter(params: Params) -> None:
     Raises
     ------
     FoggyError
-        If a meta file is missing or lacks a key, or no frame is left.
+        If a meta file is missing or damaged, or no frame is left.
     """
     run = Run(job(params, "filter"))
     index, folder = read_index(*run.job.inputs("synscapes")), root(params, "synscapes")
@@ -57,6 +57,9 @@ def filter(params: Params) -> None:
     for name, table in (("frames", frames), ("kept", kept)):
         write_text(run.job.output(name), table.to_csv(index=False, na_rep="nan", lineterminator="\n"))
     run.finish()
+    missing = frames[[*synscapes.SCENE_KEYS]].isna().sum()
+    for key, count in missing[missing > 0].items():
+        print(f"filter: {key} is missing, or no number, in the meta files of {count} frames; no rule on it keeps them")
     print(f"filter: kept {len(kept)} of {len(ids)} frames")
 
 
