@@ -133,11 +133,16 @@ def read_run(path: Path) -> dict[str, Any]:
     record = read_json(path, "run record", "Run its step again.")
     if not isinstance(record, dict) or not {"command", "inputs", "outputs"} <= record.keys():
         raise FoggyError(f"{path}: not a run record: command, inputs or outputs missing. Run its step again.")
-    for name in record["outputs"]:
-        try:
+    try:
+        for part in ("inputs", "outputs"):
+            if not isinstance(record[part], dict) or not all(isinstance(each, str) for each in record[part].values()):
+                raise ValueError(f"{part} are not SHA-256 by file")
+        if not isinstance(record["command"], list) or not all(isinstance(word, str) for word in record["command"]):
+            raise ValueError("the command is no list of words")
+        for name in record["outputs"]:
             check_name(name)
-        except ValueError as error:
-            raise FoggyError(f"{path}: not a run record of this project: {error}. Delete it.") from error
+    except ValueError as error:
+        raise FoggyError(f"{path}: not a run record of this project: {error}. Delete it.") from error
     return record
 
 
