@@ -247,8 +247,10 @@ def test_the_front_of_accuracy_has_a_point_for_each_way_and_scale() -> None:
         ("BiSeNet", "float32", 0.5, 4.0, 50.0),
         ("RefineNet", "int8", 1.0, 20.0, 55.0),
     ]
-    figure = accuracy_front(points, [True, True, False], "ms", "mean IoU (%)")
+    figure = accuracy_front(points, [True, True, False], "ms", "mean IoU (%)", [None, (48.0, 51.0), (54.0, 55.5)])
     (panel,) = figure.axes
+    bars = [segment.tolist() for bar in panel.collections for segment in bar.get_segments()]
+    assert bars == [[[4.0, 48.0], [4.0, 51.0]], [[20.0, 54.0], [20.0, 55.5]]]
     marks = {line.get_xydata()[0].tolist()[0]: line for line in panel.lines if line.get_marker() not in ("", "None")}
     assert {x: line.get_ydata()[0] for x, line in marks.items()} == {10.0: 60.0, 4.0: 50.0, 20.0: 55.0}
     assert [marks[x].get_markeredgecolor() for x in (10.0, 4.0, 20.0)] == ["black", "black", "white"]

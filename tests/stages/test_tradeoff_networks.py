@@ -27,6 +27,7 @@ from foggy_synscapes.tradeoff.networks import (
     ONNX,
     WAYS,
     Score,
+    bars,
     measure,
     paragraph,
     pareto_front,
@@ -74,6 +75,12 @@ def test_an_uncertain_way_is_not_recommended_though_its_mean_is_good() -> None:
     unsteady.matrices[1::2, 0, :2] = 100, 0
     assert abs(unsteady.miou - plain.miou) < 0.6
     assert recommended([plain, unsteady], "bisenet", 0.7) is plain
+
+
+def test_bars_lie_around_the_reference_and_not_around_each_value() -> None:
+    plain, other = score(EAGER, 10, 80), score(INT8, 2, 79)
+    assert bars([plain, other])[0] is None
+    np.testing.assert_allclose(bars([plain, other])[1], (plain.miou - 1, plain.miou - 1))
 
 
 def test_of_a_test_set_of_one_image_nothing_is_recommended() -> None:

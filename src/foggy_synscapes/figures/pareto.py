@@ -46,10 +46,13 @@ def errors_front(points: Sequence[tuple[str, float, float]], front: Sequence[str
         return figure
 
 
-def accuracy_front(points: Sequence[Point], best: Sequence[bool], x: str, y: str) -> "Figure":
+def accuracy_front(
+    points: Sequence[Point], best: Sequence[bool], x: str, y: str, ends: Sequence[tuple[float, float] | None] = ()
+) -> "Figure":
     """Points on a logarithmic axis of time: colours for ways, markers for scales, one line for each network and way.
 
-    Points of the front (`best`) have a dark rim and are joined.
+    Points of the front (`best`) have a dark rim and are joined. ends : of the interval of each point's accuracy, drawn
+    as a bar where there is one
     """
     from matplotlib.lines import Line2D
     from matplotlib.ticker import FormatStrFormatter, LogFormatter
@@ -71,6 +74,9 @@ def accuracy_front(points: Sequence[Point], best: Sequence[bool], x: str, y: str
             plain: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5, "markersize": 6}
             mark, colour = MARKERS[scales.index(scale)], COLOURS[ways.index(way)]
             axis.plot(time, accuracy, mark, color=colour, zorder=3, **(rim if good else plain))
+        for (_, way, _, time, _), interval in zip(points, ends, strict=False):
+            if interval is not None:
+                axis.vlines(time, *interval, color=COLOURS[ways.index(way)], linewidth=0.9, alpha=0.7)
         axis.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         axis.xaxis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.6)))
         named: list[dict[str, Any]] = [

@@ -132,7 +132,8 @@ def _networks(params: Params) -> None:
     parts += [duration, long_markdown(prices), training.paragraph(costs)]
     write_text(outputs[2], "\n\n".join(parts) + "\n")
     points = [(titles()[one.network], one.way, one.scale, one.cpu_ms, one.miou) for one in scores]
-    figure = accuracy_front(points, best, "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}")
+    labels = "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}"
+    figure = accuracy_front(points, best, *labels, networks.bars(scores))
     for path in outputs[3:5]:
         write_bytes(path, render(figure, path.suffix[1:]))
     write_text(outputs[5], ended.to_csv(index=False, lineterminator="\n"))

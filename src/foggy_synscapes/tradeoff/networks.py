@@ -172,6 +172,16 @@ def _change(score: Score, plain: Score) -> tuple[float, tuple[float, float] | No
     return score.miou - plain.miou, score.ends(plain)
 
 
+def bars(scores: Sequence[Score]) -> list[tuple[float, float] | None]:
+    """Between which mean IoUs each way lies, by the interval of its change from the reference; None for that itself."""
+    found: list[tuple[float, float] | None] = []
+    for score in scores:
+        plain = reference_of(scores, score.network)
+        ends = None if score is plain else score.ends(plain)
+        found.append(None if ends is None else (plain.miou + ends[0], plain.miou + ends[1]))
+    return found
+
+
 def reference_of(scores: Sequence[Score], network: str) -> Score:
     """PyTorch in float32 at full scale."""
     return next(score for score in scores if (score.network, score.scale, score.way) == (network, 1.0, EAGER))
@@ -229,7 +239,7 @@ def paragraph(scores: Sequence[Score], tolerance: float) -> str:
             f"{score.way} at scale {score.scale:g} is {plain.cpu_ms / score.cpu_ms:.1f} times as fast at "
             f"{signed(score.miou - plain.miou, 2)} points: {in_words(*_change(score, plain))}."
             for score in scores
-            if score.network == network and score.way == INT8
+            if score.network == network and score.way == INT8 and score is not chosen
         ]
         parts.append(" ".join(text))
     missing = sorted({*WAYS} - {score.way for score in scores})
