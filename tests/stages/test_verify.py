@@ -84,12 +84,16 @@ def test_another_instruction_set_version_or_code_is_told(capsys: pytest.CaptureF
         ["foggy", "subset", "--row", "C", "--debug"],
         ["foggy", "subset", "--params=/etc/passwd"],
         ["touch", "subset", "x"],
-        ["foggy", "subset", 1],
     ],
 )
 def test_a_record_whose_command_is_no_job_is_not_run(command: list, capsys: pytest.CaptureFixture) -> None:
     edited(command=command)
     assert "is no job of foggy subset; not run" in rebuilt(capsys, 1)
+
+
+def test_a_record_whose_command_is_no_list_of_words_is_no_record(capsys: pytest.CaptureFixture) -> None:
+    edited(command=["foggy", "subset", 1])
+    assert "the command is no list of words" in rebuilt(capsys, 1)
 
 
 def test_a_record_whose_input_leaves_the_folder_is_not_followed(capsys: pytest.CaptureFixture) -> None:

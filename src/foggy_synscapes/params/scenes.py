@@ -92,7 +92,7 @@ def _about(entry: Any) -> Any:
 
 def scenes_model() -> type[Scenes]:
     """The section, with an entry of `stand_in` for each dataset that has a stand-in."""
-    counts: dict[str, Any] = {name: (STAND_INS[name].counts, _about(STAND_INS[name])) for name in STAND_INS}
+    counts: dict[str, Any] = {name: (STAND_INS[name].counts | None, _about(STAND_INS[name])) for name in STAND_INS}
     stand_in = create_model("StandIn", __base__=StandIn, __doc__=StandIn.__doc__, **counts)
     about = Scenes.model_fields["stand_in"].description or ""
     return create_model("Scenes", __base__=Scenes, __doc__=Scenes.__doc__, stand_in=(stand_in, setting(about)))
