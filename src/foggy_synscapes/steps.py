@@ -327,6 +327,11 @@ def _tradeoff_fog() -> Step:
     )
 
 
+def all_shards(params: Params, _values: Values) -> list[str]:
+    """Shards of all lists: training images are read too, to calibrate 8 bits and to time training."""
+    return [f"{FOG}/beta_{beta}/{shard}.tar" for beta in params.fog.betas for shard in params.scenes.shards]
+
+
 def _tradeoff_networks() -> Step:
     made, row, first = f"{RESULTS}/tradeoff", "tradeoff.row", {"network": (NETWORK,), "seed": (f"{SEED}.0",)}
     test_set = {"test_set": ("tradeoff.test_set",)}
@@ -339,8 +344,6 @@ def _tradeoff_networks() -> Step:
         inputs={
             "index": Each(INDEX, "{test_set}/all.csv", test_set),
             "lists": Each(f"{RESULTS}/subset", "{row}/train.csv", {"row": (row, "subset.pure")}),
-            # Training images are read too, to calibrate 8 bits and to time training.
-            "shards": Each(FOG, "beta_{beta}/{shard}.tar", {"beta": ("fog.betas",), "shard": ("scenes.shards",)}),
             "models": Each(f"{RESULTS}/train", f"{RUN}/model.safetensors", {**first, "row": (row,)}),
             "metrics": Each(
                 f"{RESULTS}/evaluate",
@@ -355,6 +358,7 @@ def _tradeoff_networks() -> Step:
         },
         params=(*keys, "scenes.roots", *test_settings(), "subset.pure", "train"),
         code=(f"networks.*{NETWORK}", "datasets.*tradeoff.test_set"),
+        waits=all_shards,
         megabytes=8_000,
         minutes=600,
         default=False,
@@ -412,22 +416,33 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
     ]
 
 
+def all_jobs(params: Params) -> list[Job]:
+    """Every job that the params ask for, and those of steps that only a person asks for."""
+    return [Job(step, params, values) for step in steps() for values in step.all_values(params)]
+
+
 def of(word: str) -> list[Step]:
     """The kinds of jobs of a word."""
     return [step for step in steps() if step.word == word]
 
 
+FREE = ("network", "seed", "test_set")
+"""Wildcards that may have other values than the params list, in a job that a person runs by hand."""
+
+
 def job(params: Params, name: str, **values: str) -> Job:
-    """The job of a step, or of the step of a word whose rows have `row`; raises UsageError if there is none."""
-    for step in steps():
-        fits = step.name == name or (step.word == name and set(step.wildcards) == {*values})
-        if fits and values.get("row", "") in (
-            "",
-            *listed(params, *([step.wildcards["row"]] if "row" in values else [])),
-        ):
+    """The job of a step, or of that step of a word which lists the values; raises UsageError if there is none."""
+    known = [step for step in steps() if name in (step.name, step.word) and set(step.wildcards) == {*values}]
+    wrong: dict[str, None] = {}
+    for step in known:
+        listed_here = {key: listed(params, step.wildcards[key]) for key in values if key not in FREE}
+        if all(values[key] in names for key, names in listed_here.items()):
             return Job(step, params, values)
-    said = ", ".join(f"{key} {value}" for key, value in values.items())
-    raise UsageError(f"{name} {said}: the params have no such job")
+        for key, names in listed_here.items():
+            if values[key] not in names:
+                wrong[f"{step.wildcards[key]}, which has {', '.join(names) or 'nothing'}"] = None
+    said = " ".join(f"--{key} {value}" for key, value in values.items() if key not in FREE)
+    raise UsageError(f"{said or name}: not in {'; not in '.join(wrong) or 'the table of steps'}")
 
 
 def code_file(step: Step, values: Values) -> str:
