@@ -5,10 +5,11 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CORES ?= 2
 KILLS ?= 50
 INPUTS ?= 5000
+MINUTES ?= 60
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -24,8 +25,13 @@ update: $(READY)
 repro: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/repro.py
 
-# The promises of docs/promises.md, tested at length (about an hour on two idle cores; the tests hold a short form).
-promises: reruns faults
+# The promises of docs/promises.md, tested at length (about two hours on two idle cores; the tests hold a short form).
+promises: reruns faults stateful
+
+# Random histories of a folder on a chain of tiny jobs, and changes that times do not tell, run by Snakemake itself.
+stateful: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/real_changes.py
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/stateful.py --minutes $(MINUTES)
 
 # Which jobs each of some thirty changes, and changes of raw data, make run again on both engines.
 reruns: $(READY)
@@ -60,6 +66,7 @@ test: $(READY)
 paper: $(READY)
 	@command -v pdflatex > /dev/null || { echo "make paper needs LaTeX; on Debian: apt-get install --no-install-recommends texlive-latex-base texlive-latex-recommended texlive-latex-extra" >&2; exit 1; }
 	@$(BIN)/foggy tables --published --out results/paper
+	@$(BIN)/foggy clean --unused --tex results/paper/unused.tex
 	@for pass in 1 2; do \
 		SOURCE_DATE_EPOCH=0 FORCE_SOURCE_DATE=1 pdflatex -halt-on-error -interaction=nonstopmode \
 			-output-directory results/paper paper/article.tex > results/paper/pdflatex.txt \

@@ -17,16 +17,13 @@ from snakemake.utils import min_version
 from foggy_synscapes import params as parameters
 from foggy_synscapes import results
 from foggy_synscapes import steps as table
-from foggy_synscapes.datasets.index import changed_since_listed
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.jobs import Job, at
-from foggy_synscapes.provenance import source_digest
-from foggy_synscapes.provenance.check import stale_results
-from foggy_synscapes.provenance.recorded import select
-from foggy_synscapes.provenance.runs import code_of
+from foggy_synscapes.provenance.current import changed_raw_data, out_of_date
+from foggy_synscapes.provenance.runs import PLANNED, params_digest, select
 
 min_version("9.27")
 
@@ -67,33 +64,53 @@ PARAMS_OPTION = (
     "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
 )
 VALUES = PARAMS.model_dump(mode="json", by_alias=True)
+ASKED = ("tables", "figures", "stability")
+NAMED = 5  # jobs out of date that are named
 
 
 def check_raw_data():
     """Refuse to plan on an index that its files have left behind: results would stay as they were, and be stale."""
     for step in steps("scenes"):
         job = Job(step, PARAMS, {})
-        dataset = step.command.split()[-1]
-        folder = results.root(PARAMS, dataset)
-        for index in job.outputs("index"):
-            changed = changed_since_listed(index, folder)
-            if changed:
-                raise WorkflowError(
-                    f"{folder}: {len(changed)} files are not as they were listed, first {changed[0]}. Run "
-                    f"`{' '.join(job.command)}{PARAMS_OPTION}`, then this again: only what the change reaches is made "
-                    "anew."
-                )
+        changed = changed_raw_data(job)
+        if changed:
+            raise WorkflowError(
+                f"{len(changed)} files are not as they were listed, first {changed[0]}. Run "
+                f"`{' '.join(job.command)}{PARAMS_OPTION}`, then this again: only what the change reaches is made anew."
+            )
 
 
-def check_makers():
-    """Refuse to plan on results that others made with other params: Snakemake would take them for up to date."""
-    stale = stale_results(PARAMS)
-    if stale:
-        raise WorkflowError(
-            f"{stale[0]}: made with other params than those of {PARAMS_FILE}, by DVC or by hand, so that Snakemake "
-            f"does not know it ({len(stale)} such files). Run `make repro` where DVC made it, then `foggy adopt "
-            "--from dvc`; else delete the results of this step and of those that follow, then run this again."
-        )
+@cache
+def plan():
+    """Have the jobs run whose records are not of today's code, params and files: Snakemake itself knows times alone.
+
+    Called when Snakemake asks for the files of the first job: not before has it a graph to be told of. Returns the
+    commands of the jobs that run, and the files of those that come out as they were recorded.
+    """
+    if not IS_PLANNED_HERE:
+        return set(), set()
+    dag = workflow.dag
+    forced = {rule.name for rule in dag.forcerules} | {*map(str, dag.forcefiles)}
+    found = out_of_date(PARAMS, forced)
+    again = [each for each in found if each.node.is_there]
+    dag.forcefiles.update(path for each in again for path in each.node.written)
+    for each in again[:NAMED]:
+        print(f"out of date: {each.node.name}: {each.why}", file=sys.stderr)
+    if len(again) > NAMED:
+        print(f"out of date: {len(again) - NAMED} more", file=sys.stderr)
+    alone = {path for each in found if each.alone for path in each.node.written}
+    return {each.node.name for each in found if not each.alone}, alone
+
+
+def known(step, paths, wildcards):
+    """Input files of a job, flagged so that Snakemake does as `plan` says.
+
+    Of a job that is up to date times do not count, and neither does an input that comes out as it was.
+    """
+    planned, alone = plan()
+    if join(Job(step, PARAMS, dict(wildcards.items())).command) in planned:
+        return paths
+    return [ancient(path) for path in paths if path not in alone]
 
 
 def steps(word):
@@ -103,14 +120,30 @@ def steps(word):
 
 def inputs(step):
     """Files that a job reads."""
-    return lambda wildcards: step.all_inputs(PARAMS, dict(wildcards.items()))
+    return lambda wildcards: known(
+        step, step.all_inputs(PARAMS, dict(wildcards.items())), wildcards
+    )
 
 
 def waits(step):
     """Files that a job waits for, whose content its other inputs vouch for."""
-    return lambda wildcards: (
-        step.waits(PARAMS, dict(wildcards.items())) if step.waits else []
-    )
+
+    def listed(wildcards):
+        found = step.waits(PARAMS, dict(wildcards.items())) if step.waits else []
+        return [ancient(path) for path in known(step, found, wildcards)]
+
+    return listed
+
+
+def asked_for(wildcards):
+    """The results of the whole experiment, and what somebody altered of those before them."""
+    jobs = [
+        Job(step, PARAMS, values)
+        for word in ASKED
+        for step in steps(word)
+        for values in step.all_values(PARAMS)
+    ]
+    return [path for job in jobs for path in job.outputs()] + sorted(plan()[1])
 
 
 def outputs(step, **shown):
@@ -148,7 +181,7 @@ def constraints(step):
 
 
 def reads(step):
-    """Values of params that a job reads: a change there re-runs it.
+    """Values of params that a job reads, as Snakemake's own record of it keeps them.
 
     A function of the wildcards, because Snakemake would fill in what is in braces in a text, such as a folder.
     """
@@ -156,18 +189,6 @@ def reads(step):
         select(VALUES, *Job(step, PARAMS, dict(wildcards.items())).keys()),
         sort_keys=True,
     )
-
-
-def code(step):
-    """What the code of a job means, with its libraries: a change there re-runs it, another comment does not."""
-    names = step.code_wildcards()
-
-    @cache
-    def identity(*values):
-        job = Job(step, PARAMS, dict(zip(names, values)))
-        return source_digest.identity(*code_of(job))
-
-    return lambda wildcards: identity(*(wildcards[name] for name in names))
 
 
 def memory(step):
@@ -188,19 +209,21 @@ def command(step):
     return lambda wildcards: join(Job(step, PARAMS, dict(wildcards.items())).command)
 
 
-# Jobs know by this that the lock of this folder is held for them.
+# Jobs know by this that the lock of this folder is held for them, and with which params they were planned.
 os.environ[lock.HELD] = "snakemake"
 LOCKS = []
 
 # Another run that is under way may be drawing right now; this one will then be refused for its lock.
-if workflow.is_main_process and lock.is_free():
+IS_PLANNED_HERE = workflow.is_main_process and lock.is_free()
+if workflow.is_main_process:
+    os.environ[PLANNED] = params_digest(PARAMS)
+if IS_PLANNED_HERE:
     check_raw_data()
-    check_makers()
 
 
 onstart:
     try:
-        LOCKS.append(lock.hold())
+        LOCKS.append(lock.hold(against_dvc=True))
     except FoggyError as error:
         raise WorkflowError(str(error))
     remove_leftovers(results.RESULTS)
@@ -210,13 +233,7 @@ rule all:
     """The tables, the figures and the check of the numbers at their extremes."""
     default_target: True
     input:
-        [
-            path
-            for word in ("tables", "figures", "stability")
-            for step in steps(word)
-            for values in step.all_values(PARAMS)
-            for path in Job(step, PARAMS, values).outputs()
-        ],
+        asked_for,
 
 
 include: "workflow/rules/scenes.smk"

@@ -23,7 +23,10 @@ from foggy_synscapes import params
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
+from foggy_synscapes.provenance.current import changed_raw_data
+from foggy_synscapes.provenance.runs import PLANNED, params_digest
 from foggy_synscapes.results import RESULTS
+from foggy_synscapes.steps import all_jobs
 
 LOCK = Path("dvc.lock")
 
@@ -57,6 +60,21 @@ def _says_who_reads(path: Path) -> bool:
     return True
 
 
+def renew_indexes(repo: Repo, planned: params.Params) -> int:
+    """List datasets anew where DVC would not, or would take an older list from its cache: it does not see their files.
+
+    Returns the first exit status that is not 0.
+    """
+    jobs = {job.step.name: job for job in all_jobs(planned) if job.step.word == "scenes"}
+    unlike = {*repo.status(targets=[*jobs])} if LOCK.is_file() else {*jobs}
+    listed = [name for name, job in jobs.items() if name in unlike or changed_raw_data(job)]
+    for name in ["code", *listed] if listed else []:
+        status = dvc(["repro", "--single-item", *(["--force"] if name in jobs else []), name])
+        if status:
+            return status
+    return 0
+
+
 def main(options: list[str]) -> int:
     """Repair, then run `dvc repro` with these options; its exit status.
 
@@ -66,12 +84,15 @@ def main(options: list[str]) -> int:
         repo = Repo()
         os.chdir(repo.root_dir)
         params.require_complete("params.yaml")
+        planned = params.load("params.yaml")
+        os.environ[PLANNED] = params_digest(planned)
         os.environ[lock.HELD] = "dvc"  # its jobs, should they outlive it, are then waited for, not taken for a run
         with lock.hold():
             remove_leftovers(RESULTS)
             for name in repair(repo):
                 print(f"repro: {name} was torn by a kill; it begins anew", file=sys.stderr)
-            return dvc(["repro", *options])
+            status = renew_indexes(repo, planned)
+            return status or dvc(["repro", *options])
     except (DvcException, FoggyError) as error:
         print(f"repro: {error}", file=sys.stderr)
         return 1

@@ -25,6 +25,7 @@ PIPELINE = {
 }
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
+    "clean": "list and remove results that the params do not ask for any more",
     "code": "write what counts of the code of each job, for DVC",
     "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
@@ -51,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"foggy {__version__}")
         return 0
     if word not in words:
-        return _fail(UsageError(f"foggy {word}: no such command; there are {', '.join(words)}. Try `foggy --help`."))
+        return _fail(f"no such command; there are {', '.join(words)}. Try `foggy --help`.", word, 2)
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files; that of a notebook or another machine may not exist here
     stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
     parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
@@ -71,34 +72,31 @@ def main(arguments: list[str] | None = None) -> int:
         if held is not None:
             held.close()
         sys.stdout.flush()
-    except FoggyError as error:
-        if options.debug:
-            raise
-        return _fail(error, word)
     except BrokenPipeError:
         # The reader of our output (such as `head`) has gone; that is its good right. What is left goes nowhere, also
         # at the interpreter's end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt:
-        print(f"foggy {word}: interrupted; what is finished is kept, run the same command to go on", file=sys.stderr)
-        return 1
-    except (*UNFORESEEN, OSError) as error:
-        # No input should get here: a person still gets one message, and --debug shows where it came from.
+        return _fail("interrupted; what is finished is kept, run the same command to go on", word)
+    except (FoggyError, MemoryError, *UNFORESEEN, OSError) as error:
         if options.debug:
             raise
-        text = f"{type(error).__name__}: {error}. This message should name a file or key; --debug shows where it arose."
-        return _fail(FoggyError(text), word)
-    except MemoryError as error:
-        if options.debug:
-            raise
-        return _fail(FoggyError(f"not enough memory: {error}. Use fewer --jobs, or smaller shards or batches."), word)
+        return _fail(_message(error), word, 2 if isinstance(error, UsageError) else 1)
     return 0
 
 
-def _fail(error: FoggyError, word: str = "") -> int:
-    print(f"foggy {word}: {error}" if word else str(error), file=sys.stderr)
-    return 2 if isinstance(error, UsageError) else 1
+def _message(error: Exception) -> str:
+    if isinstance(error, FoggyError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return f"not enough memory: {error}. Use fewer --jobs, or smaller shards or batches."
+    # No input should get here: a person still gets one message, and --debug shows where it came from.
+    return f"{type(error).__name__}: {error}. This message should name a file or key; --debug shows where it arose."
+
+
+def _fail(message: str, word: str, status: int = 1) -> int:
+    print(f"foggy {word}: {message}", file=sys.stderr)
+    return status
 
 
 def _explanation() -> str:

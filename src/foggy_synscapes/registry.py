@@ -58,7 +58,7 @@ class Registry(Generic[Entry]):
         if path.is_relative_to(FOLDER):
             module = importlib.import_module(".".join((PACKAGE, *path.relative_to(FOLDER).with_suffix("").parts)))
         else:
-            module = _plugin(path)
+            module = load_plugin(path)
         return getattr(module, self.constant)
 
     def __contains__(self, name: object) -> bool:
@@ -109,7 +109,8 @@ def plugin_files() -> list[Path]:
     return [path for folder in _plugins for path in sorted(folder.glob("*.py"))]
 
 
-def _plugin(path: Path) -> ModuleType:
+def load_plugin(path: Path) -> ModuleType:
+    """Import a module of the plugin folder; FoggyError that names its file if it cannot be imported."""
     if PLUGINS not in sys.modules:
         package = ModuleType(PLUGINS)
         package.__path__ = [str(folder) for folder in _plugins]

@@ -4,18 +4,17 @@ Commands, run records, the rules of Snakemake and dvc.yaml all take these from h
 in `results`. In templates `{row}` is the value of a wildcard and `{row.beta}` a value of its entry in the params.
 """
 
-from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes import stereo_steps
+from foggy_synscapes import measured_steps, stereo_steps
 from foggy_synscapes.datasets import DATASETS, test_settings
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
 from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.frames.layouts import LAYOUTS
-from foggy_synscapes.jobs import Each, Job, Step, Template, Values, listed
+from foggy_synscapes.jobs import Job, Step, Template, Values, listed
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.params import BASELINE, Params
 from foggy_synscapes.registry import Registry, plugin_files
@@ -28,7 +27,6 @@ from foggy_synscapes.results import (
     METRICS,
     MODEL,
     RESULTS,
-    RUN,
     SCENES,
     SCORED,
     TABLE,
@@ -36,6 +34,7 @@ from foggy_synscapes.results import (
     index,
 )
 from foggy_synscapes.standin.layouts import STAND_INS
+from foggy_synscapes.step_files import FOG_MODEL, NETWORK, ROWS, SEED, files, index_of, indexes, sources
 from foggy_synscapes.subsets import KINDS
 
 REGISTRIES: dict[str, Registry] = {
@@ -47,52 +46,12 @@ REGISTRIES: dict[str, Registry] = {
     "stand_ins": STAND_INS,
     "subsets": KINDS,
 }
-NETWORK, SEED, FOG_MODEL = "train.networks", "train.seeds", "fog.model"
-ROWS = ("train.from_weights", "train.from_baseline")
-RUNS = {"network": (NETWORK,), "row": ROWS, "seed": (SEED,)}
 AIRLIGHT_KEYS = ("fog.frames", "fog.blue_airlight", "scenes.shard_frames")
-CAPS = ("images", "minutes")
 DEVICE_KEYS = ("device", "gpu")
 TRAIN_KEYS = DEVICE_KEYS + tuple(
     f"train.{key}" for key in ("threads", "device", "precision", "memory_format", "compile", "curve")
 )
 NETWORK_KEYS = tuple(f"train.{{network}}.{key}" for key in ("backbone", "width", "decoder"))
-
-
-def _files(path: str, *endings: str) -> dict[str, Template]:
-    return {ending: f"{path}.{ending}" for ending in endings}
-
-
-def _index(dataset: str) -> Template:
-    """The index of a dataset, all parts of it."""
-    key = DATASETS[dataset].parts
-    return Each(f"{INDEX}/{dataset}", "{part}.csv", {"part": (key,)}) if key else index(dataset)
-
-
-def _indexes(*datasets: str) -> dict[str, Template]:
-    return {dataset: _index(dataset) for dataset in datasets}
-
-
-SOURCES: dict[str, Callable[[], dict[str, Template]]] = {
-    "frames": lambda: {**_indexes("synscapes"), "kept": KEPT},
-    "refined": lambda: _indexes("cityscapes", "foggy_cityscapes"),
-    "filter": lambda: {"filter": f"{RESULTS}/filter/frames.csv"},
-    "fog": lambda: {
-        "kept": KEPT,
-        "fog": Each(f"{FOG}/beta_{{row.beta}}", "{shard}.csv", {"shard": ("scenes.shards",)}),
-    },
-    "made": stereo_steps.made_images,
-    "curves": lambda: {"curves": Each(f"{RESULTS}/train", f"{RUN}/curves.csv", RUNS)},
-    "metrics": lambda: {"metrics": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/metrics.json", RUNS)},
-    "predictions": lambda: {"predictions": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/predictions.tar", RUNS)},
-    "images": lambda: {"images": index("{test_set}")},
-}
-"""What lists and figures may read beside the indexes of datasets, by the names under which they declare it."""
-
-
-def _sources(names: Iterable[str]) -> dict[str, Template]:
-    found = [SOURCES[name]() if name in SOURCES else _indexes(name) for name in names]
-    return {key: template for each in found for key, template in each.items()}
 
 
 def drawn_by(dataset: str) -> list[str]:
@@ -110,7 +69,7 @@ def _scenes(dataset: str) -> Step:
         text=f"List what {entry.title} holds, drawn first where its root says so.",
         command=f"scenes --dataset {dataset}",
         outputs={
-            "index": _index(dataset),
+            "index": index_of(dataset),
             "record": f"{INDEX}/{dataset}/run.json",
             "readme": f"{SCENES}/{dataset}/README.txt",
         },
@@ -128,7 +87,7 @@ def _filter() -> Step:
         word="filter",
         text="Keep frames by their metadata.",
         command="filter",
-        inputs=_indexes("synscapes"),
+        inputs=indexes("synscapes"),
         outputs={"frames": f"{RESULTS}/filter/frames.csv", "kept": KEPT, "record": f"{RESULTS}/filter/run.json"},
         params=("filter", "scenes.shards"),
     )
@@ -177,7 +136,7 @@ def _subset(kind: str) -> Step:
         text=f"Make {entry.text}.",
         command="subset --row {row}",
         wildcards={"row": f"subset.{kind}"},
-        inputs=_sources(entry.reads),
+        inputs=sources(entry.reads),
         outputs={**_lists(), "record": f"{RESULTS}/subset/{{row}}/run.json"},
         params=(f"subset.{kind}.{{row}}", *entry.keys),
         code=(f"subsets.{kind}",),
@@ -269,8 +228,8 @@ def _tables() -> Step:
         text="Print the scores of all rows on one test set, beside the published ones.",
         command="tables --test-set {test_set}",
         wildcards={"test_set": "evaluate.test_sets"},
-        inputs=_sources(["metrics"]),
-        outputs={**_files(TABLE, "csv", "tex", "md", "html", "json"), "record": f"{TABLE}.run.json"},
+        inputs=sources(["metrics"]),
+        outputs={**files(TABLE, "csv", "tex", "md", "html", "json"), "record": f"{TABLE}.run.json"},
         metrics=("json",),
         params=("tables", "subset.*", "scenes.roots", NETWORK, SEED, *ROWS),
         code=(f"networks.*{NETWORK}", "datasets.{test_set}"),
@@ -288,8 +247,8 @@ def _figure(name: str) -> Step:
         text=entry.text,
         command=f"figures --figure {place}",
         wildcards={"test_set": "evaluate.test_sets"} if entry.of_test_set else {},
-        inputs=_sources(entry.inputs),
-        outputs={**_files(figure, "png", "pdf"), "record": f"{figure}.run.json"},
+        inputs=sources(entry.inputs),
+        outputs={**files(figure, "png", "pdf"), "record": f"{figure}.run.json"},
         params=("figures", *entry.keys, *(test_settings() if "images" in entry.inputs else ())),
         code=(
             f"figures.{name}",
@@ -297,99 +256,6 @@ def _figure(name: str) -> Step:
             *((f"fog_models.*{FOG_MODEL}",) if FOG_MODEL in entry.keys else ()),
         ),
         megabytes=4_000,
-    )
-
-
-def _stability() -> Step:
-    return Step(
-        name="stability",
-        word="stability",
-        text="Check the numbers at the extremes of their inputs.",
-        command="stability",
-        outputs={
-            **_files(f"{RESULTS}/stability/stability", "csv", "tex", "md", "png", "pdf"),
-            "record": f"{RESULTS}/stability/run.json",
-        },
-        params=("stability",),
-        megabytes=2_000,
-    )
-
-
-def _tradeoff_fog() -> Step:
-    made = f"{RESULTS}/tradeoff/fog"
-    keys = ("tradeoff.betas", "tradeoff.frames", "tradeoff.repeats", "scenes.roots.synscapes", "scenes.shards")
-    return Step(
-        name="tradeoff_fog",
-        word="tradeoff",
-        text="Measure ways of computing fog.",
-        command="tradeoff --part fog",
-        inputs=_sources(["frames"]),
-        outputs={**_files(made, "csv", "tex", "md", "png", "pdf"), "record": f"{made}.run.json"},
-        params=keys,
-        megabytes=4_000,
-        minutes=120,
-        default=False,
-    )
-
-
-def _tradeoff_networks() -> Step:
-    made, row, first = f"{RESULTS}/tradeoff", "tradeoff.row", {"network": (NETWORK,), "seed": (f"{SEED}.0",)}
-    test_set = {"test_set": ("tradeoff.test_set",)}
-    keys = tuple(f"tradeoff.{key}" for key in ("row", "test_set", "scales", "calibration", "steps", *CAPS, "tolerance"))
-    return Step(
-        name="tradeoff_networks",
-        word="tradeoff",
-        text="Measure ways of computing the trained networks, and what their training costs.",
-        command="tradeoff --part networks",
-        inputs={
-            "index": Each(INDEX, "{test_set}/all.csv", test_set),
-            "lists": Each(f"{RESULTS}/subset", "{row}/train.csv", {"row": (row, "subset.pure")}),
-            # Training images are read too, to calibrate 8 bits and to time training.
-            "shards": Each(FOG, "beta_{beta}/{shard}.tar", {"beta": ("fog.betas",), "shard": ("scenes.shards",)}),
-            "models": Each(f"{RESULTS}/train", f"{RUN}/model.safetensors", {**first, "row": (row,)}),
-            "metrics": Each(
-                f"{RESULTS}/evaluate",
-                f"{{test_set}}/{RUN}/metrics.json",
-                {**test_set, **first, "row": ("subset.pure",)},
-            ),
-        },
-        outputs={
-            **_files(f"{made}/networks", "csv", "tex", "md", "png", "pdf"),
-            **{f"training_{ending}": f"{made}/training.{ending}" for ending in ("csv", "tex")},
-            "record": f"{made}/networks.run.json",
-        },
-        params=(*keys, "scenes.roots", *test_settings(), "subset.pure", "train"),
-        code=(f"networks.*{NETWORK}", "datasets.*tradeoff.test_set"),
-        megabytes=8_000,
-        minutes=600,
-        default=False,
-    )
-
-
-def _tradeoff_accuracy() -> Step:
-    made = f"{RESULTS}/tradeoff/accuracy"
-    models = {"network": (NETWORK,), "row": ("tradeoff.row",), "seed": (f"{SEED}.0",)}
-    return Step(
-        name="tradeoff_accuracy",
-        word="tradeoff",
-        text="Score the trained networks on fog that is made in cheaper and rougher ways.",
-        command="tradeoff --part accuracy",
-        inputs={
-            **_sources(["frames"]),
-            "models": Each(f"{RESULTS}/train", f"{RUN}/model.safetensors", models),
-        },
-        outputs={**_files(made, "csv", "tex", "md"), "record": f"{made}.run.json"},
-        params=(
-            *(f"tradeoff.{key}" for key in ("row", "betas", *CAPS)),
-            "scenes.roots",
-            "scenes.shards",
-            NETWORK,
-            SEED,
-        ),
-        code=(f"networks.*{NETWORK}",),
-        megabytes=8_000,
-        minutes=120,
-        default=False,
     )
 
 
@@ -412,11 +278,16 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         *(_evaluate(row) for row in ROWS),
         _tables(),
         *(_figure(name) for name in FIGURES),
-        _stability(),
-        _tradeoff_fog(),
-        _tradeoff_networks(),
-        _tradeoff_accuracy(),
+        measured_steps.stability(),
+        measured_steps.tradeoff_fog(),
+        measured_steps.tradeoff_networks(),
+        measured_steps.tradeoff_accuracy(),
     ]
+
+
+def all_jobs(params: Params) -> list[Job]:
+    """Every job that the params ask for, and those of steps that only a person asks for."""
+    return [Job(step, params, values) for step in steps() for values in step.all_values(params)]
 
 
 def of(word: str) -> list[Step]:
@@ -424,17 +295,23 @@ def of(word: str) -> list[Step]:
     return [step for step in steps() if step.word == word]
 
 
+FREE = ("network", "seed", "test_set")
+"""Wildcards that may have other values than the params list, in a job that a person runs by hand."""
+
+
 def job(params: Params, name: str, **values: str) -> Job:
-    """The job of a step, or of the step of a word whose rows have `row`; raises UsageError if there is none."""
-    for step in steps():
-        fits = step.name == name or (step.word == name and set(step.wildcards) == {*values})
-        if fits and values.get("row", "") in (
-            "",
-            *listed(params, *([step.wildcards["row"]] if "row" in values else [])),
-        ):
+    """The job of a step, or of that step of a word which lists the values; raises UsageError if there is none."""
+    known = [step for step in steps() if name in (step.name, step.word) and set(step.wildcards) == {*values}]
+    wrong: dict[str, None] = {}
+    for step in known:
+        listed_here = {key: listed(params, step.wildcards[key]) for key in values if key not in FREE}
+        if all(values[key] in names for key, names in listed_here.items()):
             return Job(step, params, values)
-    said = ", ".join(f"{key} {value}" for key, value in values.items())
-    raise UsageError(f"{name} {said}: the params have no such job")
+        for key, names in listed_here.items():
+            if values[key] not in names:
+                wrong[f"{step.wildcards[key]}, which has {', '.join(names) or 'nothing'}"] = None
+    said = " ".join(f"--{key} {value}" for key, value in values.items() if key not in FREE)
+    raise UsageError(f"{said or name}: not in {'; not in '.join(wrong) or 'the table of steps'}")
 
 
 def code_file(step: Step, values: Values) -> str:

@@ -31,6 +31,8 @@ ORDER = (
     "tradeoff",
     "jobs",
     "stereo_steps",
+    "step_files",
+    "measured_steps",
     "steps",
     "provenance",
     "stages",

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from foggy_synscapes.provenance.source_digest import FOLDER, code, meaning, now
-from foggy_synscapes.registry import Registry, UnknownEntry
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.provenance.source_digest import FOLDER, Loaded, code, meaning, now
+from foggy_synscapes.registry import Registry, UnknownEntry, load_plugin
 
 SOURCES = sorted(FOLDER.rglob("*.py"))
 
@@ -91,3 +92,15 @@ def test_what_a_record_names_and_is_gone_has_no_digest() -> None:
     assert now("stages.filter") == meaning((FOLDER / "stages/filter.py").read_bytes())
     assert now("stages.was_here_once") is None
     assert now("tables/published/nowhere.csv") is None
+
+
+def test_a_module_that_is_edited_before_it_is_loaded_ends_the_job(plugins: Path) -> None:
+    plugins.mkdir(exist_ok=True)
+    (plugins / "late.py").write_text("import nowhere_to_be_found\n")
+    loaded = Loaded(["foggy_plugins.late"])
+    assert list(loaded.late) == ["foggy_plugins.late"]
+    loaded.check()
+    (plugins / "late.py").write_text("VALUE = 1  # another version\n")
+    load_plugin(plugins / "late.py")
+    with pytest.raises(FoggyError, match="edited before this command came to use it"):
+        loaded.check()

@@ -24,7 +24,6 @@ FRAMES = ("figures beta_strip", "figures fc_against_fs")
 SCORED = ("tables *", "figures curves", "figures predictions_*", "figures class_change_*", "figures confusion_*")
 STAND_IN = "the engine that sees a drawn file changed has it drawn again; its index stays as it was"
 FOLDERS = "DVC cannot list files by pattern: a step that gathers many depends on their folder, run records included"
-NOT_SEEN = "Snakemake trusts an output that it made; the commands and `foggy verify` compare it with its run record"
 LAZY = "Snakemake makes a lost file again when a job needs it, and `foggy verify` names it; DVC restores it at once"
 
 
@@ -251,9 +250,7 @@ CHANGES = (
         "a table altered by hand",
         (Edit("results/tables/foggy_zurich.tex", None, "% by hand\n"),),
         direct=("tables foggy_zurich",),
-        snakemake=(),
         restored=("tables foggy_zurich",),
-        note=NOT_SEEN,
     ),
     Change(
         "time stamps touched: a list, a model, an index, a source file",

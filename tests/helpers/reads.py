@@ -15,7 +15,7 @@ from pathlib import Path
 
 from engines import environment
 
-from foggy_synscapes.datasets.index import CACHE
+from foggy_synscapes.io.stamps import CACHE
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import STAND_IN, load
@@ -75,10 +75,11 @@ def undeclared(
         allowed |= {folder / record_of(Path(path)) for path in inputs if path.startswith("results/")}
     code = counted(folder, command, params)
     # What a job writes beside its outputs, to go on after an interruption, is its own.
-    rooms = [(folder / path).parent for path in outputs]
+    # What is known of files is kept outside of the results.
+    rooms = [folder / CACHE, *((folder / path).parent for path in outputs)]
     if word == "scenes":
         dataset = shlex.split(command)[shlex.split(command).index("--dataset") + 1]
-        rooms += [folder / "results/scenes" / dataset, folder / CACHE]
+        rooms.append(folder / "results/scenes" / dataset)
     problems = [f"reads {path}" for path in sorted(reads.files) if not _is_declared(path, allowed, code, rooms, folder)]
     problems += [
         f"writes {path}"

@@ -150,5 +150,5 @@ def test_a_refined_list_that_is_none_is_refused(document: dict, line: str) -> No
 def test_an_unknown_row_is_a_wrong_call() -> None:
     from argparse import Namespace
 
-    with pytest.raises(UsageError, match="--row FS-5: not in the params section subset"):
+    with pytest.raises(UsageError, match=r"--row FS-5: not in subset\.clear, which has C"):
         run(Namespace(params=ROOT / "params.yaml", row="FS-5"))

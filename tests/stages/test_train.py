@@ -63,13 +63,22 @@ def test_an_interrupted_training_goes_on_to_the_same_bytes(project, monkeypatch,
     assert hashes() == first
 
 
-def test_a_snapshot_of_other_params_is_refused_with_the_keys(project, monkeypatch, capsys):
+def test_a_snapshot_of_other_params_is_put_aside_in_one_line_and_training_begins_anew(project, monkeypatch, capsys):
+    project(("bisenet", "baseline", "learning_rate"), 0.5)
+    assert train() == 0
+    wanted = hashes()
+    for name in wanted:
+        Path("results/train/bisenet/C/seed-0", name).unlink()
+    project(("bisenet", "baseline", "learning_rate"), 0.01)
     interrupt(monkeypatch, 1)
     project(("bisenet", "baseline", "learning_rate"), 0.5)
-    assert train() == 1
-    message = capsys.readouterr().err
-    assert "bisenet.baseline.learning_rate: 0.01 -> 0.5" in message
-    assert "snapshot.safetensors" in message
+    capsys.readouterr()
+    assert train() == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "put aside" in line]
+    assert "snapshot.safetensors: taken with other settings: " in line
+    assert "bisenet.baseline.learning_rate: 0.01 -> 0.5" in line
+    assert hashes() == wanted
+    assert Path(".foggy/aside/results/train/bisenet/C/seed-0/snapshot.safetensors").is_file()
 
 
 def test_a_large_list_is_read_again_each_time_to_the_same_bytes(project):
@@ -159,7 +168,7 @@ def test_a_baseline_of_another_width_is_refused(project, capsys):
 
 
 def test_a_missing_baseline_is_named(project, capsys):
-    refused(capsys, "bisenet/C/seed-0/model.safetensors", "Train row C", row="FC-498")
+    refused(capsys, "bisenet/C/seed-0/model.safetensors", "missing. It is made by an earlier step", row="FC-498")
 
 
 def test_a_baseline_that_is_no_model_is_refused(project, capsys):

@@ -40,7 +40,7 @@ def rebuilt(capsys: pytest.CaptureFixture, status: int) -> str:
     assert main(["verify", "results/subset", "--rebuild", "subset"]) == status
     told = capsys.readouterr()
     assert "Traceback" not in told.err
-    assert {path.name for path in Path(".foggy").iterdir()} == {"jobs", "lock"}
+    assert {path.name for path in Path(".foggy").iterdir()} == {"cache", "jobs", "lock"}
     return told.out + told.err
 
 

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from engines import ran, run
 
 from foggy_synscapes.params import Params
-from foggy_synscapes.provenance.recorded import leaves, select
-from foggy_synscapes.provenance.runs import read_runs
+from foggy_synscapes.provenance.runs import leaves, read_runs, select
+
+SMOKE = ("--params", "params/smoke.yaml")
 
 
 def stated(values: Any) -> Any:
@@ -79,18 +81,21 @@ def test_dvc_is_told_no_more_than_a_job_reads(snakemake: Path, dvc: Path) -> Non
         assert stated(declared_to_dvc(dvc)[command]).keys() == params.keys(), command
 
 
-def test_no_table_is_made_of_scores_that_someone_altered(snakemake: Path, tmp_path: Path) -> None:
+def test_scores_that_someone_altered_are_made_again_and_in_between_no_table_is_made_of_them(
+    snakemake: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "clone"
     shutil.copytree(snakemake, folder)
-    metrics = "results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json"
-    scores = json.loads((folder / metrics).read_text())
+    metrics = folder / "results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json"
+    made = metrics.read_bytes()
+    scores = json.loads(made)
     scores["mean_iou"]["annotated"] = 99.0
-    (folder / metrics).write_text(json.dumps(scores))
-    table = "results/tables/foggy_zurich.csv"
-    call = [sys.executable, "-m", "snakemake", table, "--cores", "1", "--configfile", "params/smoke.yaml"]
-    result = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
-    assert result.returncode != 0
-    told = (folder / "results/logs/tables/foggy_zurich.log").read_text()
-    assert f"{metrics}: is not what its step wrote" in told
-    assert "Make it again: foggy evaluate --network bisenet --row C --seed 0 --test-set foggy_zurich" in told
-    assert not (folder / table).exists()
+    metrics.write_text(json.dumps(scores))
+    call = [sys.executable, "-m", "foggy_synscapes", "tables", "--test-set", "foggy_zurich"]
+    result = subprocess.run([*call, *SMOKE], cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert f"{metrics.relative_to(folder)}: is not what its step wrote" in result.stderr
+    assert "Make it again: foggy evaluate --network bisenet --row C --seed 0 --test-set foggy_zurich" in result.stderr
+    told = run(folder, "snakemake", "--cores", "1", "--configfile", "params/smoke.yaml")
+    assert ran(told) == {"evaluate bisenet C 0 foggy_zurich"}
+    assert metrics.read_bytes() == made

@@ -13,7 +13,7 @@ from engines import run
 from rocrate.rocrate import ROCrate
 
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.provenance.recorded import leaves
+from foggy_synscapes.provenance.runs import leaves
 
 TABLE = "results/tables/foggy_zurich.tex"
 SMOKE = ("--params", "params/smoke.yaml")

@@ -36,7 +36,6 @@ for step in steps("figures"):
         params:
             command=command(step),
             reads=reads(step),
-            code=code(step),
             text=text(step),
         shell:
             "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

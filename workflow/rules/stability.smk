@@ -7,7 +7,11 @@ def shown(what):
     }
 
 
-SHOWN = {"md": shown("what does not hold"), "csv": shown("every check"), "png": shown("errors by number format")}
+SHOWN = {
+    "md": shown("what does not hold"),
+    "csv": shown("every check"),
+    "png": shown("errors by number format"),
+}
 
 for step in steps("stability"):
 
@@ -31,6 +35,5 @@ for step in steps("stability"):
         params:
             command=command(step),
             reads=reads(step),
-            code=code(step),
         shell:
             "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

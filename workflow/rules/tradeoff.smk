@@ -23,6 +23,7 @@ for step in steps("tradeoff"):
             step.name
         input:
             inputs(step),
+            shards=waits(step),
         output:
             outputs(step, **shown(step.name.removeprefix("tradeoff_"))),
         log:
@@ -37,6 +38,5 @@ for step in steps("tradeoff"):
         params:
             command=command(step),
             reads=reads(step),
-            code=code(step),
         shell:
             "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -6,7 +6,7 @@ for step in steps("train"):
             step.name
         input:
             inputs(step),
-            shards=ancient(waits(step)),
+            shards=waits(step),
         output:
             outputs(step),
         log:
@@ -24,6 +24,5 @@ for step in steps("train"):
         params:
             command=command(step),
             reads=reads(step),
-            code=code(step),
         shell:
             "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -4,22 +4,17 @@ The engines see raw data, stand-in or real, through these small tables (path, si
 the folders themselves. Paths are relative to the dataset's root, with forward slashes.
 """
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.checksums import Checksums
-from foggy_synscapes.io.files import LARGEST, check_name, check_plain, named, read_json
-from foggy_synscapes.io.hashing import sha256
+from foggy_synscapes.io.files import LARGEST, check_name, check_plain, named
 from foggy_synscapes.io.progress import progress
+from foggy_synscapes.io.stamps import CACHE, Stamps
 from foggy_synscapes.io.tables import read_csv, write_csv
 
 COLUMNS = ("path", "size", "sha256")
-CACHE = Path(".foggy/cache")
-"""What only saves time, and knows the times of this machine's files: not a result."""
 
 
 def read_index(*paths: Path) -> dict[str, str]:
@@ -39,7 +34,7 @@ def read_index(*paths: Path) -> dict[str, str]:
 def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checksums | None = None) -> None:
     """Hash the files and write their index, `DATASET/PART.csv`, sorted by path.
 
-    A file whose size and modification time are those of the last time is not read again.
+    A file whose stamp is that of the last time is not read again.
 
     checksums : what the files have to be, by whoever made the dataset
 
@@ -49,9 +44,7 @@ def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checks
         If a file is missing, is not a plain file of at most 512 MiB, lies outside the root (through `..` or a link), or
         is not as `checksums` say.
     """
-    name, cache_path = f"{index.parent.name}/{index.stem}", _cache_path(index)
-    cache = read_cache(cache_path)
-    rows, fresh = [], {}
+    name, stamps, rows = f"{index.parent.name}/{index.stem}", _stamps_of(index), []
     inside = root.resolve()
     for path in progress(sorted(paths), f"index {name}", unit="file"):
         file = root / path
@@ -62,60 +55,34 @@ def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checks
         if not file.resolve().is_relative_to(inside):
             raise FoggyError(f"{file}: leads out of the dataset's folder. Copy the file in instead of linking it.")
         check_plain(file, "file of a dataset", LARGEST)
-        found = stamp(file)
-        known = cache.get(path)
-        digest = known[1] if known and known[0] == found else sha256(file)
+        digest = stamps.sha256(file)
         if checksums is not None and digest != (wanted := checksums.of(file)):
             raise FoggyError(f"{file}: its sha256 is {digest[:12]}..., but {checksums.path} has {wanted[:12]}...")
-        fresh[path] = [found, digest]
-        rows.append((path, found[0], digest))
+        rows.append((path, file.stat().st_size, digest))
     write_csv(index, COLUMNS, rows)
-    write_text(cache_path, json.dumps(fresh))
+    stamps.save()
 
 
 def changed_since_listed(index: Path, root: Path) -> list[str]:
     """Files of an index that are missing or have another content than when they were listed.
 
-    Only files whose size or modification time is another are read. An index that was not made on this machine cannot
-    be judged so and gives [].
+    Only files whose stamp is another than the last time are read. An index that was not made on this machine cannot
+    be judged so and gives []; `foggy verify --data` reads all that it lists.
     """
-    cache_path = _cache_path(index)
-    cache = read_cache(cache_path) if index.is_file() else {}
-    changed, touched = [], False
-    for path, (listed, digest) in sorted(cache.items()):
-        found = stamp(root / path)
-        # Not the inode: a copy of the folder that kept its times is as good.
-        if found[:2] == listed[:2]:
-            continue
-        if found[:1] != listed[:1] or sha256(root / path) != digest:
-            changed.append(path)
-        else:
-            cache[path], touched = [found, digest], True
-    if touched:
-        write_text(cache_path, json.dumps(cache))
+    stamps = _stamps_of(index)
+    if not stamps.path.is_file():
+        return []
+    try:
+        listed = read_index(index)
+    except FoggyError:
+        return []  # an index that is missing or damaged is made again
+    changed = [path for path, digest in listed.items() if stamps.state(root / path, digest) != "unchanged"]
+    stamps.save()
     return changed
 
 
-def _cache_path(index: Path) -> Path:
-    return CACHE / index.parent.name / f"{index.stem}.json"
-
-
-def stamp(file: Path) -> list[int]:
-    """Size in bytes, modification time in ns and inode; empty where the file is missing."""
-    try:
-        status = file.stat()
-    except OSError:
-        return []
-    return [status.st_size, status.st_mtime_ns, status.st_ino]
-
-
-def read_cache(path: Path) -> dict[str, Any]:
-    """Content of a file below `CACHE`. It only saves time: one that cannot be read is as good as an empty one."""
-    try:
-        cache = read_json(path)
-    except FoggyError:
-        return {}
-    return cache if isinstance(cache, dict) else {}
+def _stamps_of(index: Path) -> Stamps:
+    return Stamps(CACHE / index.parent.name / f"{index.stem}.json")
 
 
 def expect(index: Mapping[str, str], paths: Iterable[str], dataset: str) -> None:

@@ -18,20 +18,27 @@ PATH = Path(".foggy/lock")
 """Held by an engine, or shared by jobs that `dvc repro` alone started, or a person."""
 JOBS = Path(".foggy/jobs")
 """Shared by all jobs of any engine."""
+OF_DVC = Path(".dvc/tmp/lock")
+"""DVC's own lock, which it takes before it reads or removes anything: one of the operating system too."""
 HELD = "FOGGY_LOCK"
 """Environment variable by which a job knows that its engine holds the lock."""
 
 
-def hold() -> IO[bytes]:
-    """Take the lock of this folder for an engine, whose jobs know by HELD; it is held while the file stays open.
+def hold(against_dvc: bool = False) -> ExitStack:
+    """Take the lock of this folder for an engine, whose jobs know by HELD, until the result is closed.
 
     Jobs of an engine that was killed are waited for.
 
+    against_dvc : also keep DVC itself out, which removes what a stage writes before our commands could refuse to run
+
     Raises FoggyError if another engine or a job of it is at work here.
     """
-    file = _take(fcntl.LOCK_EX)
-    _wait_for_jobs()
-    return file
+    with ExitStack() as held:
+        held.enter_context(_take(PATH, fcntl.LOCK_EX))
+        if against_dvc and OF_DVC.parents[1].is_dir():
+            held.enter_context(_take(OF_DVC, fcntl.LOCK_EX))
+        _wait_for_jobs()
+        return held.pop_all()
 
 
 def join() -> ExitStack:
@@ -41,7 +48,7 @@ def join() -> ExitStack:
     """
     with ExitStack() as held:
         if not os.environ.get(HELD):
-            held.enter_context(_take(fcntl.LOCK_SH))
+            held.enter_context(_take(PATH, fcntl.LOCK_SH))
         _lock(held.enter_context(_opened(JOBS)), fcntl.LOCK_SH)
         return held.pop_all()
 
@@ -66,7 +73,7 @@ def is_free() -> bool:
     if not PATH.is_file():
         return True
     try:
-        _take(fcntl.LOCK_EX).close()
+        _take(PATH, fcntl.LOCK_EX).close()
     except FoggyError:
         return False
     return True
@@ -81,8 +88,8 @@ def _wait_for_jobs() -> None:
             _lock(jobs, fcntl.LOCK_EX)
 
 
-def _take(kind: int) -> IO[bytes]:
-    file = _opened(PATH)
+def _take(path: Path, kind: int) -> IO[bytes]:
+    file = _opened(path)
     try:
         _lock(file, kind | fcntl.LOCK_NB)
     except BlockingIOError as error:

@@ -1,5 +1,6 @@
 """From one printed cell of a table to its scores, model, start weights, lists and images."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,8 @@ from foggy_synscapes.io.shards import Shard
 from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS, titles
+from foggy_synscapes.provenance.lineage import SHOWN, UNCHANGED, Lineage, arrow, file_line, some
 from foggy_synscapes.provenance.runs import state
-from foggy_synscapes.provenance.tree import UNCHANGED, Lineage
 from foggy_synscapes.results import FOG, METRICS, TABLE, run_file
 from foggy_synscapes.scoring.metrics import read_scores
 from foggy_synscapes.tables.ours import ANNOTATED, AS_PUBLISHED
@@ -21,19 +22,10 @@ LISTS = ("train", "validation")
 def trace_cell(lineage: Lineage, test_set: str, network: str, row: str, name: str) -> dict[str, Any]:
     """What one cell is made from.
 
-    Parameters
-    ----------
-    test_set : name of a test set
-    network : as printed or as in params, e.g. RefineNet; in any case
-    row : e.g. FS-498
+    network : as printed or as in params, e.g. RefineNet, in any case; row : e.g. FS-498
     name : class as Cityscapes spells it, or "mean IoU annotated", "mean IoU as published"
 
-    Raises
-    ------
-    UsageError
-        If there is no such cell.
-    FoggyError
-        If the table was not made, or its runs were not.
+    Raises UsageError if there is no such cell, FoggyError if the table was not made, or its runs were not.
     """
     keys = {text.lower(): key for key, printed in titles().items() for text in (key, printed)}
     names = {text.lower(): text for text in (*CLASSES, ANNOTATED, AS_PUBLISHED)}
@@ -144,3 +136,40 @@ def _source(lineage: Lineage, source: str, images: list[dict[str, str]]) -> dict
         if folder is None or state(folder / entry["image"], entry["sha256"]) != UNCHANGED
     ]
     return {"path": source, "changed": changed, "images": images}
+
+
+def cell_lines(cell: dict[str, Any]) -> Iterator[str]:
+    """A cell and what it comes from, in text."""
+    unrounded = "" if cell["value"] is None else f" ({cell['value']!r} percent)"
+    yield f"{cell['test_set']}, {cell['network']}, {cell['row']}, {cell['score']}: {cell['printed']}{unrounded}"
+    yield f"printed in {file_line(cell['table'])}"
+    for run in cell["runs"]:
+        counts = ", ".join(f"{key} {value}" for key, value in run["counts"].items())
+        differs = "" if run["table_agrees"] else arrow("the table has another value: make it again")
+        yield f"seed {run['seed']}: {run['value']!r}{f', pixels: {counts}' if counts else ''}{differs}"
+        yield f"  scores       {file_line(run['metrics'])}"
+        yield f"    by: {run['by']}"
+        yield f"  predictions  {file_line(run['predictions'])}"
+        yield f"    {_images(run['predictions']['images'])}"
+        yield f"  test set     {file_line(run['test_index'])}"
+        yield from _model_lines(run["model"], "  model        ", 1)
+
+
+def _model_lines(model: dict[str, Any], title: str, depth: int) -> Iterator[str]:
+    indent = "  " * depth
+    yield f"{title}{file_line(model)}"
+    if "by" in model:
+        yield f"{indent}  by: {model['by']}"
+    for entry in model.get("lists", ()):
+        yield f"{indent}  list {file_line(entry)}: {entry['count']} images"
+        yield f"{indent}    by: {entry['by']}"
+        for source in entry["sources"]:
+            name = file_line(source) if "sha256" in source else source["path"]
+            yield f"{indent}    from {name}{arrow('changed', source['changed'])}"
+            yield f"{indent}      {_images([image['image'] for image in source['images']])}"
+    if "start" in model:
+        yield from _model_lines(model["start"], f"{indent}  starts from ", depth + 1)
+
+
+def _images(names: list[str]) -> str:
+    return f"{len(names)} images: {some(names)}{' (--json has all)' if len(names) > SHOWN else ''}"

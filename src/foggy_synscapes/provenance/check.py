@@ -1,25 +1,23 @@
 """Comparing what lies on disk with what run records and indexes say."""
 
-from base64 import urlsafe_b64encode
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.params import STAND_IN, Params
-from foggy_synscapes.provenance.recorded import leaves, select, without_folders
+from foggy_synscapes.params import STAND_IN
 from foggy_synscapes.provenance.runs import read_run, read_runs, record_of, state
-from foggy_synscapes.results import INDEX, RESULTS, SCENES
+from foggy_synscapes.results import INDEX, SCENES
 
-SNAKEMAKE = Path(".snakemake")
+WRONG = ("missing", "changed")
 
 
-def differences(path: Path) -> tuple[list[str], int]:
+def differences(path: Path, roots: Mapping[str, Path]) -> tuple[list[str], int]:
     """Compare the inputs and outputs of the records that have an output at or below `path`.
 
-    Where an index of the stand-in is among them, the images that it lists are compared too.
+    Where an index of the stand-in, or of a dataset in `roots`, is among them, what it lists is compared too.
 
     Returns
     -------
@@ -42,47 +40,29 @@ def differences(path: Path) -> tuple[list[str], int]:
     problems = []
     for name, digests in progress(sorted(recorded.items()), "verify", unit="file"):
         states = {state(name, digest): place for digest, place in digests.items()}
-        for word in ("missing", "changed"):
+        for word in WRONG:
             if word in states:
                 problems.append(f"{name}: {word} (recorded in {states[word]})")
     count = len(recorded)
-    for index in map(Path, sorted(recorded)):
-        if is_index(index) and index.is_file() and is_stand_in(index):
-            listing = raw_state(index, Path(SCENES, dataset_of(index)))
-            problems += [f"{file}: {word} (listed in {index})" for word, file in listing.problems()]
-            count += listing.files
+    for index in filter(is_index, map(Path, sorted(recorded))):
+        dataset = dataset_of(index)
+        if index.is_file() and (dataset in roots or is_stand_in(index)):
+            listing = raw_state(index, roots.get(dataset, Path(SCENES, dataset)))
+            problems += [f"{file}: {word} (listed in {index})" for word in WRONG for file in listing[word]]
+            count += listing["files"]
     return problems, count
 
 
-def stale_results(params: Params) -> list[str]:
-    """Results that Snakemake would take for up to date though their run records state other params than these.
+def verify(path: Path, roots: Mapping[str, Path] | None = None) -> int:
+    """Number of files at or below `path` that are as recorded; FoggyError naming those that are not.
 
-    DVC or a person made them, so that Snakemake has no record of its own, or one that is older than the file. Records
-    that cannot be read are left to those who need the files.
+    roots : folder of each dataset, to compare all raw data that indexes list and not only the stand-in
     """
-    found, values = [], without_folders(params)
-    for place in sorted(Path(RESULTS).rglob("*run.json")):
-        try:
-            record = read_run(place)
-        except FoggyError:
-            continue
-        said = dict(leaves(record.get("params", {})))
-        try:
-            now = dict(leaves(select(values, *said)))
-        except (KeyError, TypeError):
-            now = {}  # a key that is gone
-        if now != said:
-            found += sorted(name for name in record["outputs"] if not _is_known_to_snakemake(Path(name)))
-    return found
-
-
-def _is_known_to_snakemake(path: Path) -> bool:
-    """Whether Snakemake recorded a file after it was written, or that it was cut off while its job wrote it."""
-    own = urlsafe_b64encode(path.as_posix().encode()).decode()  # how Snakemake names its records
-    record = SNAKEMAKE / "metadata" / own
-    if not path.exists() or (SNAKEMAKE / "incomplete" / own).exists():
-        return True
-    return record.is_file() and record.stat().st_mtime >= path.stat().st_mtime
+    problems, count = differences(path, roots or {})
+    if problems:
+        told = [f"{len(problems)} of {count} files are not what their run records say:", *problems]
+        raise FoggyError("\n".join([*told, "Run the engine: what is not as recorded, it makes again."]))
+    return count
 
 
 def is_index(path: Path) -> bool:
@@ -106,27 +86,9 @@ def is_stand_in(index: Path) -> bool:
     return roots.get(dataset_of(index)) == STAND_IN
 
 
-@dataclass(frozen=True)
-class RawState:
-    """How the files that an index lists are on disk: their number, and those missing and changed."""
-
-    files: int
-    missing: list[str]
-    changed: list[str]
-
-    def problems(self) -> Iterable[tuple[str, str]]:
-        """Pairs of what is wrong and the file."""
-        yield from (("missing", name) for name in self.missing)
-        yield from (("changed", name) for name in self.changed)
-
-
-def raw_state(index: Path, root: Path) -> RawState:
-    """Hash the files that an index lists, and compare."""
-    listed = read_index(index)
-    states = {
-        str(root / path): state(root / path, digest)
-        for path, digest in progress(listed.items(), f"verify {dataset_of(index)}", unit="file")
-    }
-    return RawState(
-        len(states), *([name for name in states if states[name] == word] for word in ("missing", "changed"))
-    )
+def raw_state(index: Path, root: Path) -> dict[str, Any]:
+    """Hash the files that an index lists: how many there are, and which are missing and which changed."""
+    listed = progress(read_index(index).items(), f"verify {dataset_of(index)}", unit="file")
+    states = {str(root / path): state(root / path, digest) for path, digest in listed}
+    wrong = {word: [name for name, found in states.items() if found == word] for word in WRONG}
+    return {"files": len(states), **wrong}

@@ -14,8 +14,8 @@ from foggy_synscapes import __version__
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.provenance import source_digest
-from foggy_synscapes.provenance.recorded import leaves
-from foggy_synscapes.provenance.tree import UNCHANGED, Lineage
+from foggy_synscapes.provenance.lineage import UNCHANGED, Lineage
+from foggy_synscapes.provenance.runs import leaves
 
 if TYPE_CHECKING:
     from rocrate.model.entity import Entity

@@ -11,9 +11,8 @@ from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256
-from foggy_synscapes.provenance.instructions import instructions
-from foggy_synscapes.provenance.runs import read_runs, record_of, versions_now
-from foggy_synscapes.provenance.tree import about
+from foggy_synscapes.provenance.lineage import about
+from foggy_synscapes.provenance.runs import instructions, read_runs, record_of, versions_now
 from foggy_synscapes.results import RESULTS
 from foggy_synscapes.steps import steps
 

@@ -6,23 +6,30 @@ what it decides reaches a job by declared values, and a new key of a figure must
 """
 
 import ast
+import filecmp
+import importlib
 import sys
+from collections.abc import Iterable
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
-from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, plugin_files
+from foggy_synscapes.io.stamps import stamp
+from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, load_plugin, plugin_files
 
 CHASSIS: tuple[str, ...] = (
     "cli",
     "errors",
     "jobs",
+    "measured_steps",
     "params",
     "provenance",
     "registry",
     "results",
     "schema",
+    "step_files",
     "steps",
     "stereo_steps",
 )
@@ -35,6 +42,8 @@ NOT_COMPUTING = {"pydantic", "tqdm", "yaml"}
 DISTRIBUTIONS = {"PIL": "pillow"}
 """Distributions whose name is not the name that is imported."""
 FOLDER = Path(__file__).resolve().parents[1]
+STARTED = {path: stamp(path) for path in FOLDER.rglob("*.py")}
+"""The sources as this process began: this module is loaded before any that computes."""
 
 
 def code(word: str, entries: tuple[str, ...], registries: dict[str, Registry]) -> tuple[dict[str, str], dict[str, str]]:
@@ -63,9 +72,79 @@ def now(name: str) -> str | None:
     if "/" in name:
         path = FOLDER / name
         return sha256(path) if path.is_file() else None
-    package = PACKAGE if name.partition(".")[0] != PLUGINS else ""
-    found = [path for path in _files(f"{package}.{name}".lstrip(".")) if _name(path) == name]
+    found = [path for path in _files(_dotted(name)) if _name(path) == name]
     return _digest(found[0]) if found else None
+
+
+class Loaded:
+    """The modules of a job as they are loaded when it starts, so that later edits have no part in it.
+
+    names : as in `code`. Those that need a library which is not loaded are left until they are used: few are.
+
+    Raises FoggyError if one was edited while this process started, so that not all of it may be of one version.
+    """
+
+    def __init__(self, names: Iterable[str]) -> None:
+        files = {
+            name: path for name in names if "/" not in name for path in _files(_dotted(name)) if _name(path) == name
+        }
+        imports = {name: _imports(path, _stamp(path)) for name, path in files.items()}
+        late = {name for name, found in imports.items() if not all(map(_is_at_hand, found))}
+        needs = {name: {_name(path) for each in found for path in _files(each)} for name, found in imports.items()}
+        while more := {name for name in needs.keys() - late if needs[name] & late}:
+            late |= more
+        for name in files.keys() - late:
+            if name.startswith(f"{PLUGINS}."):
+                load_plugin(files[name])
+            else:
+                importlib.import_module(_dotted(name))
+        self.late = {name: files[name] for name in late if _dotted(name) not in sys.modules}
+        self._stamps = {name: stamp(path) for name, path in self.late.items()}
+        edited = [name for name, path in files.items() if STARTED.get(path, stamp(path)) != stamp(path)]
+        if edited:
+            raise FoggyError(f"{edited[0]}: its code was edited while this command started. Run it again.")
+
+    def check(self) -> None:
+        """Raise FoggyError if a module was edited before it was loaded."""
+        for name, path in self.late.items():
+            if _dotted(name) in sys.modules and stamp(path) != self._stamps[name]:
+                raise FoggyError(
+                    f"{name}: its code was edited before this command came to use it, so that it ran part of one and "
+                    "part of another version. Nothing of that is kept: run it again."
+                )
+
+
+def _dotted(name: str) -> str:
+    return name if name.partition(".")[0] == PLUGINS else f"{PACKAGE}.{name}"
+
+
+def _is_at_hand(name: str) -> bool:
+    top = name.partition(".")[0]
+    return top in (PACKAGE, PLUGINS) or top in sys.modules or top in sys.stdlib_module_names
+
+
+def check_origin(folder: Path = Path()) -> None:
+    """Refuse to run code that is not that of the folder in which it runs.
+
+    Equal content from elsewhere is good: an installed package, or another clone as it is here.
+
+    Raises FoggyError naming a file that differs.
+    """
+    own = (folder / "src" / PACKAGE).resolve()
+    if own == FOLDER or not own.is_dir():
+        return
+    names = {path.relative_to(base) for base in (own, FOLDER) for path in base.rglob("*.py")}
+    for name in sorted(names):
+        here, loaded = own / name, FOLDER / name
+        if not here.is_file() or not loaded.is_file() or not _means_the_same(here, loaded):
+            raise FoggyError(
+                f"{here.relative_to(folder.resolve())}: differs from {loaded}, which is the code that runs. Run the "
+                "`foggy` of this folder: make its environment anew (rm -r .venv; make), or pip install --editable ."
+            )
+
+
+def _means_the_same(one: Path, other: Path) -> bool:
+    return filecmp.cmp(one, other, shallow=False) or _digest(one) == _digest(other)
 
 
 @cache
@@ -123,13 +202,12 @@ def _files(name: str) -> list[Path]:
     return found
 
 
-def _stamp(path: Path) -> tuple[int, int]:
-    status = path.stat()
-    return status.st_mtime_ns, status.st_size
+def _stamp(path: Path) -> tuple[int, ...]:
+    return tuple(stamp(path))
 
 
 @cache
-def _imports(path: Path, _changed: tuple[int, int]) -> frozenset[str]:
+def _imports(path: Path, _changed: tuple[int, ...]) -> frozenset[str]:
     """Dotted names that a file imports, inside functions too; `from a import b` counts as a and a.b."""
     found = set()
     for node in ast.walk(ast.parse(path.read_bytes())):
@@ -145,7 +223,7 @@ def _digest(path: Path) -> str:
 
 
 @cache
-def _digest_at(path: Path, _changed: tuple[int, int]) -> str:
+def _digest_at(path: Path, _changed: tuple[int, ...]) -> str:
     return meaning(path.read_bytes())
 
 

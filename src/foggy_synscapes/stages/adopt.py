@@ -9,7 +9,8 @@ from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.params import load, require_complete
-from foggy_synscapes.provenance.check import differences, stale_results
+from foggy_synscapes.provenance.check import verify
+from foggy_synscapes.results import RESULTS
 
 HELP = (
     "Let the other engine take over what one engine made, so that it makes nothing again. Refused where the first one "
@@ -58,26 +59,17 @@ def adopt(engine: str, params: Path = DEFAULT) -> None:
 
 
 def _from_snakemake(option: list[str]) -> None:
-    # Where Snakemake has no record of a job, as of those that DVC ran, it cannot tell a change of params.
-    stale = stale_results(load(DEFAULT))
-    if stale:
-        raise FoggyError(
-            f"{stale[0]}: made with other params than those of {DEFAULT} ({len(stale)} such files). Run "
-            f"dvc repro where DVC made it; else delete it and what follows, then snakemake --cores 2{_spelt(option)}."
-        )
+    count = verify(Path(RESULTS))
     waiting = _snakemake_waits(option)
     if waiting:
         raise FoggyError(
             f"Snakemake still has work to do, so what lies in results/ is not what {DEFAULT} asks for:\n{waiting}\n"
-            f"Run snakemake --cores 2{_spelt(option)} first, then this again."
+            f"Run {_spelt('snakemake --cores 2', option)} first, then this again."
         )
-    count = _verified()
     # What code means is written for DVC alone; Snakemake computes it by itself.
     _engine("foggy_synscapes", "code", "--params", str(DEFAULT))
     # -f: DVC asks about each changed stage otherwise; what it would ask is answered by the checks above.
     _engine("dvc", "commit", "--force", "--quiet")
-    # DVC links files to its cache, which gives them new times; Snakemake would make again what is larger than 1 MB.
-    _engine("snakemake", "--touch", "--forceall", "--cores", "1", *option)
     waiting = _dvc_waits()
     if waiting:
         raise FoggyError(f"DVC does not take these stages over:\n{waiting}\nRun dvc repro to see why.")
@@ -91,29 +83,12 @@ def _from_dvc(option: list[str]) -> None:
             f"DVC does not call everything up to date, so what lies in results/ is not what {DEFAULT} asks for:\n"
             f"{waiting}\nRun dvc repro (or dvc checkout, dvc pull) first, then this again."
         )
-    count = _verified()
-    # -F: touching only what looks old would leave records without params, and later changes of them unseen.
-    _engine("snakemake", "--touch", "--forceall", "--cores", "1", *option)
+    count = verify(Path(RESULTS))
+    # Snakemake judges by run records, whoever wrote them.
     waiting = _snakemake_waits(option)
     if waiting:
         raise FoggyError(f"Snakemake does not take these over:\n{waiting}\nRun snakemake -n to see why.")
-    print(f"adopt: {count} files are what their run records say; snakemake{_spelt(option)} has nothing to do now")
-
-
-def _verified() -> int:
-    problems, count = differences(Path("results"))
-    if problems:
-        raise FoggyError(
-            "\n".join(
-                [
-                    f"{len(problems)} of {count} files are not what their run records say, and are not certified:",
-                    *problems[:SHOWN],
-                    *([f"and {len(problems) - SHOWN} more: foggy verify"] if len(problems) > SHOWN else []),
-                    "Delete them and run the engine that made them; it makes what is missing.",
-                ]
-            )
-        )
-    return count
+    print(f"adopt: {count} files are what their run records say; {_spelt('snakemake', option)} has nothing to do now")
 
 
 def _snakemake_waits(option: list[str]) -> str:
@@ -160,5 +135,5 @@ def _shortened(text: str) -> str:
     return "\n".join(lines if len(lines) <= SHOWN else [*lines[:SHOWN], f"and {len(lines) - SHOWN} more"])
 
 
-def _spelt(option: list[str]) -> str:
-    return "".join(f" {word}" for word in option)
+def _spelt(command: str, option: list[str]) -> str:
+    return " ".join([command, *option])

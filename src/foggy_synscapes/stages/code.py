@@ -6,7 +6,7 @@ from pathlib import Path
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance.runs import code_of
+from foggy_synscapes.provenance.runs import code_of, code_text
 from foggy_synscapes.results import CODE
 from foggy_synscapes.steps import code_file, steps
 
@@ -33,9 +33,7 @@ def code(params: Params) -> int:
         for values in step.all_values(params) if step.default else ():
             path = Path(code_file(step, values))
             if path not in written:
-                modules, libraries = code_of(Job(step, params, values))
-                lines = [f"{name} {value}\n" for found in (modules, libraries) for name, value in found.items()]
-                write_text(path, "".join(lines))
+                write_text(path, code_text(*code_of(Job(step, params, values))))
                 written.add(path)
     for path in Path(CODE).rglob("*"):
         if path.is_file() and path not in written:

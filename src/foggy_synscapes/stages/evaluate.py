@@ -53,32 +53,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    given = [f"--{name.replace('_', '-')}" for name in JOB if getattr(args, name) is not None]
-    if given and (args.predictions or args.labels):
-        raise UsageError(
-            f"{given[0]} scores a trained model and --predictions a folder: give the options of one of them"
-        )
-    if given:
-        missing = [f"--{name.replace('_', '-')}" for name in JOB if getattr(args, name) is None]
-        if missing:
-            raise UsageError(f"{', '.join(missing)} missing beside {', '.join(given)}")
-        params = load(args.params)
+    given = {f"--{name.replace('_', '-')}": getattr(args, name) for name in JOB}
+    missing = [option for option, value in given.items() if value is None]
+    if len(missing) < len(JOB):
+        if args.predictions or args.labels or missing:
+            raise UsageError(f"a trained model is scored by {', '.join(given)}, and a folder by --predictions")
         if args.test_set not in (known := test_sets()):
             raise UsageError(f"--test-set {args.test_set}: there are {', '.join(known)}")
-        evaluate(params, args.network, args.row, args.seed, args.test_set)
+        evaluate(load(args.params), *given.values())
         return
     if not (args.predictions and args.labels and args.out):
         raise UsageError("give --predictions, --labels and --out, or --network, --row, --seed and --test-set")
     if args.jobs < 1:
         raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
-    score(
-        args.predictions,
-        args.labels,
-        args.out,
-        predictions_encoding=args.predictions_encoding or args.encoding,
-        labels_encoding=args.labels_encoding or args.encoding,
-        jobs=args.jobs,
-    )
+    encodings = args.predictions_encoding or args.encoding, args.labels_encoding or args.encoding
+    score(args.predictions, args.labels, args.out, *encodings, jobs=args.jobs)
 
 
 def score(
@@ -106,7 +95,7 @@ def score(
         where += f"; both were to be {labels_encoding}: --labels-encoding and --predictions-encoding tell them apart"
     asked = labels_encoding, predictions_encoding
     scores = _summary(tally, *asked, where, found.labels_named, found.predictions_named)
-    _write_scores(out, scores)
+    write_text(out, _text(scores))
     read = scores["encoding"]
     print(f"{out}: labels read as {read['labels']}, predictions as {read['predictions']}; {_in_words(scores)}")
     return scores
@@ -152,7 +141,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     watch = Watch(ahead(lambda pair: _read(data, index, pair), pairs, asked.workers))
     images = _predictions(model, data, watch, scores)
     write_shard(this.output("predictions"), progress(images, f"evaluate {test_set}", total=len(pairs)))
-    _write_scores(this.output("metrics"), scores)
+    run.write(metrics=_text(scores))
     run.finish(device=device)
     waited = f"waited for images {watch.share:.1%} of the time"
     print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}; {waited}")
@@ -216,8 +205,8 @@ def _summary(
     return {**scores, "encoding": {"labels": truth, "predictions": guess}}
 
 
-def _write_scores(path: Path, scores: dict[str, Any]) -> None:
-    write_text(path, json.dumps(scores, indent=1) + "\n")
+def _text(scores: dict[str, Any]) -> str:
+    return json.dumps(scores, indent=1) + "\n"
 
 
 def _in_words(scores: dict[str, Any]) -> str:

@@ -5,7 +5,6 @@ import argparse
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
 from foggy_synscapes.figures.sources import Sources
-from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.jobs import Job
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
@@ -46,7 +45,6 @@ def figures(params: Params, name: str) -> None:
     # Runs that were not made are left out of a figure.
     run = Run(job, [path for path in job.read() if path.is_file()])
     drawn = FIGURES[job.step.name.removeprefix("figures_")].draw(Sources(job, roots(params)))
-    for path in job.outputs():
-        write_bytes(path, render(drawn, path.suffix[1:]))
+    run.write(**{ending: render(drawn, ending) for ending in ("png", "pdf")})
     run.finish()
     print(f"figures {name}: {', '.join(map(str, job.outputs()))}")

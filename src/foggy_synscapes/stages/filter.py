@@ -9,7 +9,6 @@ import pandas as pd
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import checked
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.params import FilterRule, Params, load
@@ -54,8 +53,8 @@ def filter(params: Params) -> None:
     kept = frames.loc[frames["kept"].eq(1), ["id", *CAMERA]]
     if kept.empty:
         raise FoggyError(f"filter.rules: none of {len(ids)} frames is left; loosen the rules")
-    for name, table in (("frames", frames), ("kept", kept)):
-        write_text(run.job.output(name), table.to_csv(index=False, na_rep="nan", lineterminator="\n"))
+    tables = {"frames": frames, "kept": kept}
+    run.write(**{name: tables[name].to_csv(index=False, na_rep="nan", lineterminator="\n") for name in tables})
     run.finish()
     missing = frames[[*synscapes.SCENE_KEYS]].isna().sum()
     for key, count in missing[missing > 0].items():

@@ -63,15 +63,10 @@ def _run_job(args: argparse.Namespace) -> None:
         return
     if args.shard is None or bool(betas) == args.airlight or len(betas) > 1:
         raise UsageError("a job of the pipeline has --shard and either --airlight or one --beta")
-    params = load(args.params)
-    if args.shard not in params.scenes.shards:
-        raise UsageError(f"--shard {args.shard}: not in scenes.shards, which has {', '.join(params.scenes.shards)}")
     if args.airlight:
-        airlight(params, args.shard)
-    elif betas[0] in params.fog.betas:
-        fog(params, betas[0], args.shard)
+        airlight(load(args.params), args.shard)
     else:
-        raise UsageError(f"--beta {betas[0]}: not in fog.betas, which has {', '.join(params.fog.betas)}")
+        fog(load(args.params), betas[0], args.shard)
 
 
 def airlight(params: Params, shard: str) -> None:

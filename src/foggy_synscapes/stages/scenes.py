@@ -5,14 +5,14 @@ import json
 from pathlib import Path
 
 from foggy_synscapes.datasets import DATASETS
-from foggy_synscapes.datasets.index import CACHE, write_index
+from foggy_synscapes.datasets.index import write_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.checksums import Checksums
 from foggy_synscapes.io.hashing import sha256_bytes
+from foggy_synscapes.io.stamps import CACHE
 from foggy_synscapes.params import STAND_IN, Params, load
-from foggy_synscapes.provenance.recorded import recorded
-from foggy_synscapes.provenance.runs import Run
+from foggy_synscapes.provenance.runs import Run, recorded
 from foggy_synscapes.results import RESULTS, root
 from foggy_synscapes.standin.drawing import Made, draw
 from foggy_synscapes.standin.layouts import STAND_INS

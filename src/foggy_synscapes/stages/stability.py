@@ -4,7 +4,6 @@ import argparse
 
 import pandas as pd
 
-from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.stability import fog_checks, kernel_checks, other_checks
@@ -34,19 +33,16 @@ def stability(params: Params) -> list[Check]:
     digits = params.stability.digits
     checks = [*fog_checks.checks(digits), *kernel_checks.checks(digits, params.stability.searched)]
     checks += [*training_checks.checks(), *other_checks.checks()]
-    outputs = run.job.outputs("csv", "tex", "md", "png", "pdf")
     table = pd.DataFrame([check.row() for check in checks], columns=COLUMNS)
-    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
     caption = f"Numbers at the extremes, against mpmath at {digits} digits."
-    write_text(outputs[1], long_latex(table, caption, "table:stability"))
     figure = errors(fog_checks.curves(digits))
-    write_text(outputs[2], f"{caption}\n\n{summary(checks)}\n\n{long_markdown(table)}\n")
-    for path in outputs[3:]:
-        write_bytes(path, render(figure, path.suffix[1:]))
+    run.write(
+        csv=table.to_csv(index=False, lineterminator="\n"),
+        tex=long_latex(table, caption, "table:stability"),
+        md=f"{caption}\n\n{summary(checks)}\n\n{long_markdown(table)}\n",
+        **{ending: render(figure, ending) for ending in ("png", "pdf")},
+    )
     run.finish()
     failed = sum(check.verdict == FAILS for check in checks)
-    print(
-        f"stability: {len(checks)} checks; {failed} show where a plain formula or a short number format fails; "
-        f"{outputs[0]}"
-    )
+    print(f"stability: {len(checks)} checks; {failed} show where a plain formula or a short number format fails")
     return checks

@@ -1,11 +1,12 @@
 """steps: the table of steps, for people or as the dvc.yaml that `dvc repro` runs."""
 
 import argparse
-import json
 import re
-import textwrap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.jobs import PLACEHOLDER, Each, Step, Template, at
@@ -14,8 +15,11 @@ from foggy_synscapes.results import CODE
 from foggy_synscapes.steps import code_file, steps
 
 HELP = "Show each kind of job: its command, what it reads and writes, and the params that decide it; or make dvc.yaml."
-WIDTH = 120
-PLAIN = re.compile(r"[A-Za-z][\w./-]*")  # what YAML takes for text without quotes
+WIDTH = 110
+HEAD = """\
+# Made by `foggy steps --dvc dvc.yaml` from the table of steps; a test fails where it is not up to date.
+# Stage `code` writes what the code of each job means, and the others compare that: a comment runs nothing.
+"""
 SOURCES = ("src/foggy_synscapes", "requirements.lock")
 
 
@@ -56,15 +60,16 @@ def dvc_yaml(params: Params) -> str:
 
     params : tell which wildcards are lists and which are mappings, and the folder of plugins
     """
-    lines = [
-        "# Made by `foggy steps --dvc dvc.yaml` from the table of steps; a test fails where it is not up to date.",
-        "# Stage `code` writes what the code of each job means, and the others compare that: a comment runs nothing.",
-        "stages:",
-        *_code_stage(params),
-    ]
-    for step in _staged(params):
-        lines += ["", *_stage(step, params)]
-    return "\n".join(lines) + "\n"
+    stages = {"code": _code_stage(params), **{step.name: _stage(step, params) for step in _staged(params)}}
+    text = yaml.dump({"stages": stages}, Dumper=_Dumper, default_flow_style=None, sort_keys=False, width=WIDTH)
+    return HEAD + re.sub(r"\n(?=  \w+:\n)", "\n\n", text)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Repeats what occurs twice, as people write YAML."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
 
 
 def _staged(params: Params) -> list[Step]:
@@ -72,76 +77,45 @@ def _staged(params: Params) -> list[Step]:
     return [step for step in steps() if step.default and step.all_values(params)]
 
 
-def _code_stage(params: Params) -> Iterator[str]:
-    keys = {"plugins": None}
-    for step in steps():
-        keys |= {step.wildcards[name]: None for name in step.code_wildcards() if step.default}
-        keys |= {entry.partition("*")[2]: None for entry in step.code if "*" in entry and step.default}
-    yield "  code:"
-    yield "    desc: Write what counts of the code of each job."
-    yield "    cmd: foggy code"
-    yield from _list("deps", [*SOURCES, *([params.plugins] if params.plugins else [])], "    ")
-    yield from _list("params", keys, "    ")
-    yield f"    outs: [{CODE}: {{cache: false}}]"
+def _code_stage(params: Params) -> dict[str, Any]:
+    keys = ["plugins"]
+    for step in filter(lambda step: step.default, steps()):
+        keys += [step.wildcards[name] for name in step.code_wildcards()]
+        keys += [entry.partition("*")[2] for entry in step.code if "*" in entry]
+    return {
+        "desc": "Write what counts of the code of each job.",
+        "cmd": "foggy code",
+        "deps": [*SOURCES, *([params.plugins] if params.plugins else [])],
+        "params": [*dict.fromkeys(keys)],
+        "outs": [{CODE: {"cache": False}}],
+    }
 
 
-def _stage(step: Step, params: Params) -> Iterator[str]:
-    spelt = _Spelling(step, params)
-    yield f"  {step.name}:"
-    indent = "    "
-    if len(step.wildcards) == 1:
-        (key,) = step.wildcards.values()
-        yield f"    foreach: ${{{key}}}"
-        yield "    do:"
-        indent = "      "
-    elif step.wildcards:
-        yield "    matrix:"
-        yield from (f"      {name}: ${{{key}}}" for name, key in step.wildcards.items())
-    yield f"{indent}desc: {json.dumps(step.text, ensure_ascii=False)}"
-    yield f"{indent}cmd: foggy {spelt(step.command)}"
+def _stage(step: Step, params: Params) -> dict[str, Any]:
     own = code_file(step, {name: f"{{{name}}}" for name in step.code_wildcards()})
     inputs = [template.folder if isinstance(template, Each) else template for template in step.inputs.values()]
-    yield from _list("deps", map(spelt, [own, *inputs]), indent)
-    if step.params:
-        yield from _list("params", map(spelt, step.keys(params)), indent)
     shown = {*step.metrics, *step.plots}
     outputs = [template for name, template in step.outputs.items() if name not in shown and isinstance(template, str)]
-    yield from _list("outs", map(spelt, step.folders or outputs), indent)
-    for kind, names in (("metrics", step.metrics), ("plots", step.plots)):
-        if names:
-            yield from _list(kind, (spelt(_whole(step.outputs[name])) for name in names), indent, step.plots)
+    lists = {
+        "deps": [own, *inputs],
+        "params": step.keys(params),
+        "outs": step.folders or outputs,
+        "metrics": [_whole(step.outputs[name]) for name in step.metrics],
+        "plots": [_whole(step.outputs[name]) for name in step.plots],
+    }
+    names = {name: f"item.{name}" for name in step.wildcards}
+    if len(names) == 1:
+        ((name, key),) = step.wildcards.items()
+        names[name] = "key" if isinstance(at(params, key), Mapping) else "item"
 
+    def spelt(template: str) -> str:
+        """A template as DVC spells it."""
+        return PLACEHOLDER.sub(lambda match: f"${{{f'item.{match[2]}' if match[2] else names[match[1]]}}}", template)
 
-class _Spelling:
-    """Templates of a step as DVC spells them."""
-
-    def __init__(self, step: Step, params: Params) -> None:
-        self.names: dict[str, str] = {name: f"item.{name}" for name in step.wildcards}
-        if len(step.wildcards) == 1:
-            ((name, key),) = step.wildcards.items()
-            self.names[name] = "key" if isinstance(at(params, key), Mapping) else "item"
-
-    def __call__(self, template: str) -> str:
-        def spell(match: re.Match) -> str:
-            name, attribute = match.groups()
-            return f"${{item.{attribute}}}" if attribute else f"${{{self.names[name]}}}"
-
-        return PLACEHOLDER.sub(spell, template)
-
-
-def _list(
-    key: str, values: Iterable[str], indent: str, settings: Mapping[str, Mapping[str, str]] | None = None
-) -> Iterator[str]:
-    """A list, on as many lines as it takes."""
-    quoted = [value if PLAIN.fullmatch(value) else json.dumps(value) for value in dict.fromkeys(values)]
-    (more,) = {json.dumps(each) for each in (settings or {}).values() if each} or {""}
-    if key == "plots" and more:
-        quoted = [f"{value}: {more}" for value in quoted]
-    yield from textwrap.wrap(
-        f"{key}: [{', '.join(quoted)}]",
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=f"{indent}  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    stage: dict[str, Any] = {"desc": step.text, "cmd": f"foggy {spelt(step.command)}"}
+    stage |= {word: [*dict.fromkeys(map(spelt, found))] for word, found in lists.items() if found}
+    if step.plots:
+        stage["plots"] = [{path: dict(of)} for path, of in zip(stage["plots"], step.plots.values(), strict=True)]
+    if len(names) == 1:
+        return {"foreach": f"${{{key}}}", "do": stage}
+    return {"matrix": {name: f"${{{key}}}" for name, key in step.wildcards.items()}, **stage} if names else stage

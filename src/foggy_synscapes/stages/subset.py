@@ -2,7 +2,7 @@
 
 import argparse
 
-from foggy_synscapes.errors import FoggyError, UsageError
+from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.tables import write_csv
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
@@ -24,12 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    params = load(args.params)
-    if args.row not in params.subset.rows():
-        raise UsageError(
-            f"--row {args.row}: not in the params section subset; it has {', '.join(params.subset.rows())}"
-        )
-    subset(params, args.row)
+    subset(load(args.params), args.row)
 
 
 def subset(params: Params, row: str) -> None:
@@ -40,8 +35,9 @@ def subset(params: Params, row: str) -> None:
     FoggyError
         If a list asks for more frames than there are, or an image has no label map.
     """
+    run = Run(job(params, "subset", row=row))
     kind, entry = params.subset.kind(row), params.subset.rows()[row]
-    run, key = Run(job(params, "subset", row=row)), f"subset.{kind}.{row}"
+    key = f"subset.{kind}.{row}"
     lists = KINDS[kind].lists(Sources(run.job.inputs, roots(params), params.scenes), entry, key)
     for part, asked, lines in zip(("train", "validation"), entry.counts(), lists, strict=True):
         if len(lines) != asked:

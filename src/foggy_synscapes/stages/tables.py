@@ -85,15 +85,17 @@ def tables(params: Params, test_set: str) -> None:
                     documents.append(document)
                     _same_labels(documents, path)
     results = collect(labels, runs, load_published(test_set))
-    outputs = this.outputs("csv", "tex", "md", "html", "json")
     made = ours.tables(test_set, results, annotated_classes(documents), params.stand_in)
-    write_text(outputs[0], ours.long_csv(test_set, results))
-    write_text(outputs[1], formats.latex(made, f"Made by foggy tables --test-set {test_set}."))
-    write_text(outputs[2], formats.markdown(made))
-    write_text(outputs[3], formats.html(made, DATASETS[test_set].title))
-    write_text(outputs[4], json.dumps(ours.means(results), indent=1) + "\n")
+    run.write(
+        csv=ours.long_csv(test_set, results),
+        tex=formats.latex(made, f"Made by foggy tables --test-set {test_set}."),
+        md=formats.markdown(made),
+        html=formats.html(made, DATASETS[test_set].title),
+        json=json.dumps(ours.means(results), indent=1) + "\n",
+    )
     run.finish()
-    print(f"tables {test_set}: {len(documents)} of {len(networks) * len(labels) * len(seeds)} runs; see {outputs[2]}")
+    count = len(networks) * len(labels) * len(seeds)
+    print(f"tables {test_set}: {len(documents)} of {count} runs; see {this.output('md')}")
 
 
 def _same_labels(documents: list[dict[str, Any]], path: Path) -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 from foggy_synscapes.datasets import test_sets
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.params import load
-from foggy_synscapes.provenance.cell import trace_cell
+from foggy_synscapes.provenance.cell import cell_lines, trace_cell
 from foggy_synscapes.provenance.crate import write_crate
-from foggy_synscapes.provenance.text import cell_lines, lines
-from foggy_synscapes.provenance.tree import Lineage
+from foggy_synscapes.provenance.lineage import Lineage, lines
 from foggy_synscapes.results import roots
 
 HELP = "Show, as a tree, the commands and files that a result was made from, and what on disk no longer matches."

@@ -11,7 +11,6 @@ from foggy_synscapes.datasets.uris import Reader
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.frames.rendering import read_frame
-from foggy_synscapes.io.atomic import write_bytes, write_text
 from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_ids, read_rgb
@@ -70,20 +69,20 @@ def _fog(params: Params) -> None:
     betas = params.tradeoff.betas
     scores = fog.measure(frames, [float(beta) for beta in betas], params.tradeoff.repeats)
     front = fog.pareto_front(scores)
-    outputs = run.job.outputs("csv", "tex", "md", "png", "pdf")
     table = fog.table(scores, front)
-    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
     height, width = frames[0][1].shape
     what = f"{len(betas)} betas, {len(frames)} images of {width} x {height} pixels"
     caption = f"Fog arithmetic: CPU time per image ({what}) and change against float64, in levels of 8 bits."
-    write_text(outputs[1], long_latex(table, caption, "table:tradeoff-fog"))
-    write_text(outputs[2], fog.paragraph(scores, what) + "\n")
     points = [(score.variant.name, score.cpu_ms, score.mean) for score in fog.timed(scores)]
     figure = errors_front(points, front, f"CPU ms per image, {len(betas)} betas", "mean change (levels)")
-    for path in outputs[3:]:
-        write_bytes(path, render(figure, path.suffix[1:]))
+    run.write(
+        csv=table.to_csv(index=False, lineterminator="\n"),
+        tex=long_latex(table, caption, "table:tradeoff-fog"),
+        md=fog.paragraph(scores, what) + "\n",
+        **{ending: render(figure, ending) for ending in ("png", "pdf")},
+    )
     run.finish()
-    print(f"tradeoff fog: {len(scores)} variants; {outputs[2]}")
+    print(f"tradeoff fog: {len(scores)} variants; {run.job.output('md')}")
 
 
 def _networks(params: Params) -> None:
@@ -95,9 +94,9 @@ def _networks(params: Params) -> None:
 
     settings, seed = params.tradeoff, params.train.seeds[0]
     this = job(params, "tradeoff_networks")
-    # What lists and shards hold is vouched for by the lists; of runs that were not scored there is no score.
-    shards, scored = set(this.inputs("shards")), set(this.inputs("metrics"))
-    run = Run(this, [path for path in this.read() if path not in shards and (path not in scored or path.is_file())])
+    # Of runs that were not scored there is no score.
+    scored = set(this.inputs("metrics"))
+    run = Run(this, [path for path in this.read() if path not in scored or path.is_file()])
     models = dict(zip(params.train.networks, this.inputs("models"), strict=True))
     lists = dict(zip([settings.row, *params.subset.kinds()["pure"]], this.inputs("lists"), strict=True))
     reader = Reader(roots(params), FOG)
@@ -112,9 +111,7 @@ def _networks(params: Params) -> None:
     costs = _costs(this, models, lists, reader)
 
     best = networks.pareto_front(scores)
-    outputs = this.outputs("csv", "tex", "md", "png", "pdf", "training_csv", "training_tex")
     measured, ended = networks.table(scores, best), training.table(costs)
-    write_text(outputs[0], measured.to_csv(index=False, lineterminator="\n"))
     height, width = samples[0][0].shape[:2]
     data = "stand-in " if params.stand_in else ""
     test_set = DATASETS[settings.test_set].title
@@ -126,20 +123,22 @@ def _networks(params: Params) -> None:
         "difference of logits, pixels of another class."
     )
     ways, prices = networks.printed(measured, networks.BACKENDS), networks.printed(ended, training.COSTS)
-    write_text(outputs[1], long_latex(ways, caption, "table:tradeoff-networks"))
     duration = training.caption(settings.steps, test_set)
     parts = [caption, long_markdown(ways), networks.paragraph(scores, settings.tolerance)]
     parts += [duration, long_markdown(prices), training.paragraph(costs)]
-    write_text(outputs[2], "\n\n".join(parts) + "\n")
     points = [(titles()[one.network], one.way, one.scale, one.cpu_ms, one.miou) for one in scores]
     labels = "CPU ms of one thread per image", f"mean IoU (%), {data}{test_set}"
     figure = accuracy_front(points, best, *labels, networks.bars(scores))
-    for path in outputs[3:5]:
-        write_bytes(path, render(figure, path.suffix[1:]))
-    write_text(outputs[5], ended.to_csv(index=False, lineterminator="\n"))
-    write_text(outputs[6], long_latex(prices, duration, "table:tradeoff-training"))
+    run.write(
+        csv=measured.to_csv(index=False, lineterminator="\n"),
+        tex=long_latex(ways, caption, "table:tradeoff-networks"),
+        md="\n\n".join(parts) + "\n",
+        training_csv=ended.to_csv(index=False, lineterminator="\n"),
+        training_tex=long_latex(prices, duration, "table:tradeoff-training"),
+        **{ending: render(figure, ending) for ending in ("png", "pdf")},
+    )
     run.finish()
-    print(f"tradeoff networks: {len(scores)} ways, {sum(best)} of them on the front; {outputs[2]}")
+    print(f"tradeoff networks: {len(scores)} ways, {sum(best)} of them on the front; {this.output('md')}")
 
 
 def _accuracy(params: Params) -> None:
@@ -163,12 +162,14 @@ def _accuracy(params: Params) -> None:
         f"{len(betas)} betas; change from the default way, stored without loss, with its 95 % interval (paired "
         "bootstrap over the frames)."
     )
-    outputs, shown = run.job.outputs("csv", "tex", "md"), networks.printed(table, fog_accuracy.COLUMNS)
-    write_text(outputs[0], table.to_csv(index=False, lineterminator="\n"))
-    write_text(outputs[1], long_latex(shown, caption, "table:tradeoff-accuracy"))
-    write_text(outputs[2], "\n\n".join([caption, fog_accuracy.paragraph(scores), long_markdown(shown)]) + "\n")
+    shown = networks.printed(table, fog_accuracy.COLUMNS)
+    run.write(
+        csv=table.to_csv(index=False, lineterminator="\n"),
+        tex=long_latex(shown, caption, "table:tradeoff-accuracy"),
+        md="\n\n".join([caption, fog_accuracy.paragraph(scores), long_markdown(shown)]) + "\n",
+    )
     run.finish()
-    print(f"tradeoff accuracy: {len(fog_accuracy.shortcuts()) - 1} shortcuts on {done} frames; {outputs[2]}")
+    print(f"tradeoff accuracy: {len(fog_accuracy.shortcuts()) - 1} shortcuts on {done} frames; {run.job.output('md')}")
 
 
 def _frames(job: Job) -> list[fog.Frame]:

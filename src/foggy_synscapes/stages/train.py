@@ -2,10 +2,13 @@
 
 import argparse
 import os
+import sys
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
+from typing import Any
 
 import torch
 from tqdm import tqdm
@@ -66,6 +69,24 @@ def run(args: argparse.Namespace) -> None:
         train(params, args.network, args.row, args.seed)
 
 
+class _PutAside(Exception):
+    """A snapshot was of no use."""
+
+
+def _begun_anew(train: Callable[..., None]) -> Callable[..., None]:
+    """Begin again where a snapshot was put aside: one command is enough after an edit of what a killed training did."""
+
+    @wraps(train)
+    def begun(*arguments: Any, **named: Any) -> None:
+        try:
+            train(*arguments, **named)
+        except _PutAside:
+            begun(*arguments, **named)
+
+    return begun
+
+
+@_begun_anew
 def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALONE) -> None:
     """Write `model.safetensors`, `curves.csv` and `run.json` to results/train/NETWORK/ROW/seed-SEED.
 
@@ -73,7 +94,7 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     not been; the snapshot is removed at the end. Of several processes (`ranks`) the first writes.
 
     Raises FoggyError if an image or label is missing, was changed since it was listed or is not what training needs; if
-    the start weights are of another network; if the loss is no number; if the snapshot was taken with other settings.
+    the start weights are of another network; if the loss is no number. A snapshot of other settings is put aside.
     """
     asked = params.train
     settings, policy = asked.network(network), asked.policy(network, row)
@@ -88,8 +109,8 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
             print(f"{label}: the model is {weights}; its params say that it is not trained")
         return
     start = this.input("start") if "start" in this.step.inputs else asked.weights(network, row)
-    model = _start(settings, network, start, int(seed))
     run = Run(this)
+    model = _start(settings, network, start, int(seed))
     reader, budget = Reader(roots(params), FOG), asked.cache * 2**20
     training = PairDataset(this.input("train"), reader, budget, composite)
     # Only the first process validates.
@@ -145,9 +166,12 @@ def _explained(network: str, row: str, policy: Policy, snapshot: Path) -> Iterat
     try:
         yield
     except SnapshotError as error:
-        raise FoggyError(
-            f"{snapshot}: {error}. Restore what the training began with to go on, or delete the file to begin anew."
-        ) from error
+        aside = Path(".foggy/aside") / snapshot
+        with suppress(FileNotFoundError):  # of several processes another was first
+            aside.parent.mkdir(parents=True, exist_ok=True)
+            snapshot.replace(aside)
+            print(f"{snapshot}: {error}; put aside as {aside}, and training begins anew", file=sys.stderr)
+        raise _PutAside from error
     except ValueError as error:
         raise FoggyError(f"{network} {row}: {error}") from error
     except RuntimeError as error:

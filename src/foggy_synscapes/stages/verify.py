@@ -4,8 +4,11 @@ import argparse
 from pathlib import Path
 
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.provenance.check import differences
+from foggy_synscapes.params import load
+from foggy_synscapes.provenance import check
+from foggy_synscapes.provenance.current import out_of_date
 from foggy_synscapes.provenance.rebuild import options, rebuild
+from foggy_synscapes.results import roots
 
 HELP = "Hash results, and the stand-in that they come from, and name every file that is not what its record says."
 
@@ -13,6 +16,7 @@ HELP = "Hash results, and the stand-in that they come from, and name every file 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     parser.add_argument("path", nargs="?", type=Path, default=Path("results"), help="file or folder (default: results)")
+    parser.add_argument("--data", action="store_true", help="hash all raw data, too: minutes for a real dataset")
     parser.add_argument(
         "--rebuild",
         choices=sorted(options()),
@@ -26,23 +30,20 @@ def run(args: argparse.Namespace) -> None:
     if args.rebuild:
         verify_by_rebuilding(args.rebuild, args.path, args.params)
     else:
-        verify(args.path)
+        verify_by_hashing(args.path, args.params, args.data)
 
 
-def verify(path: Path) -> None:
-    """Raise FoggyError naming every file that is missing or changed; print how many are as recorded otherwise."""
-    problems, count = differences(path)
-    if problems:
-        raise FoggyError(
-            "\n".join(
-                [
-                    f"{len(problems)} of {count} files differ from their run records:",
-                    *problems,
-                    "Delete them and run the engine again; it makes what is missing.",
-                ]
-            )
-        )
+def verify_by_hashing(path: Path, params: Path, data: bool = False) -> None:
+    """Print how many files are as recorded, and what is out of date by the params; FoggyError naming those that differ.
+
+    data : hash the raw data of all indexes there, too
+    """
+    count = check.verify(path, roots(load(params)) if data else None)
     print(f"verify: {count} files are what their run records say")
+    stale = [again for again in out_of_date(load(params)) if again.node.is_there] if params.is_file() else []
+    below = [again for again in stale if any(Path(name).is_relative_to(path) for name in again.node.written)]
+    if below:
+        print(f"{len(below)} jobs are out of date by {params}, first {below[0].node.name}: {below[0].why}")
 
 
 def verify_by_rebuilding(word: str, path: Path, params: Path) -> None:

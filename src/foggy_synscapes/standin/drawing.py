@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from foggy_synscapes.datasets.index import read_cache, stamp
 from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.images import encode_depth, encode_png
 from foggy_synscapes.io.processes import in_processes
 from foggy_synscapes.io.progress import progress
+from foggy_synscapes.io.stamps import stamp
 from foggy_synscapes.standin.layouts.layout import Files, Frame
 
 CHECKPOINT = 100  # frames after which the record of what is made is saved
@@ -25,20 +26,30 @@ class Made:
 
     def __init__(self, path: Path, fingerprint: str, folder: Path) -> None:
         self.path, self.fingerprint, self.folder = path, fingerprint, folder
-        record = read_cache(path)
-        self.files: dict[str, list[int]] = record["files"] if record.get("fingerprint") == fingerprint else {}
+        self.files: dict[str, tuple[list[int], str]] = {}
+        # The record only saves time: one that cannot be read, or of other params, is as good as none.
+        try:
+            document = json.loads(path.read_text(encoding="utf-8"))
+            if document["fingerprint"] == fingerprint:
+                self.files = {path: (known, digest) for path, (known, digest) in document["files"].items()}
+        except (OSError, ValueError, KeyError, TypeError):
+            pass
 
     def has(self, paths: Iterable[str]) -> bool:
         """Whether all of these files are there as they were made."""
-        return all(path in self.files and self.files[path] == stamp(self.folder / path) for path in paths)
+        return all(path in self.files and self._is_as_made(path) for path in paths)
 
     def add(self, paths: Iterable[str]) -> None:
         """Take these files, as they are now, for made."""
-        self.files.update((path, stamp(self.folder / path)) for path in paths)
+        self.files.update((path, (stamp(self.folder / path), sha256(self.folder / path))) for path in paths)
 
     def save(self) -> None:
         """Write the record."""
         write_text(self.path, json.dumps({"fingerprint": self.fingerprint, "files": self.files}))
+
+    def _is_as_made(self, path: str) -> bool:
+        (known, digest), now = self.files[path], stamp(self.folder / path)
+        return bool(now) and (now == known or sha256(self.folder / path) == digest)
 
 
 def draw(frames: Sequence[Frame], lists: Files, made: Made, readme: Path, jobs: int, what: str) -> None:

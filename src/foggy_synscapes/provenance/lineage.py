@@ -1,17 +1,19 @@
 """The lineage of a result as a tree: file, the job that made it, the files that the job read, down to raw data."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+import json
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.provenance import source_digest
-from foggy_synscapes.provenance.check import RawState, dataset_of, is_index, raw_state
-from foggy_synscapes.provenance.runs import read_runs, state
+from foggy_synscapes.provenance.check import dataset_of, is_index, raw_state
+from foggy_synscapes.provenance.runs import leaves, read_runs, state
 
 UNCHANGED, MADE_AGAIN = "unchanged", "made again since it was read"
 SHOWN = 3  # names of files that text repeats
+WIDTH = 160  # characters of params that text shows
 
 
 @dataclass
@@ -29,13 +31,7 @@ class Lineage:
         self._states: dict[tuple[str, str], str] = {}
 
     def maker(self, name: str) -> dict[str, Any]:
-        """Record of the job that made a file.
-
-        Raises
-        ------
-        FoggyError
-            If no record has the file among its outputs.
-        """
+        """Record of the job that made a file; FoggyError if no record has the file among its outputs."""
         if name not in self.makers:
             raise FoggyError(
                 f"{name}: no run record has it among its outputs. Was it made by this pipeline, from this folder?"
@@ -96,13 +92,10 @@ class Lineage:
             node["inputs"] = [self._node(each, value, deeper, seen) for each, value in record["inputs"].items()]
         if is_index(Path(name)) and depth != 0 and Path(name) not in seen:
             seen.add(Path(name))
-            node["raw"] = self._raw(Path(name))
+            root = self.roots[dataset_of(Path(name))]
+            found = raw_state(Path(name), root) if Path(name).is_file() else {"files": 0, "missing": [], "changed": []}
+            node["raw"] = {"folder": str(root), **found}
         return node
-
-    def _raw(self, index: Path) -> dict[str, Any]:
-        root = self.roots[dataset_of(index)]
-        found = raw_state(index, root) if index.is_file() else RawState(0, [], [])
-        return {"folder": str(root), **asdict(found)}
 
 
 def about(record: dict[str, Any]) -> dict[str, Any]:
@@ -114,3 +107,45 @@ def about(record: dict[str, Any]) -> dict[str, Any]:
         "versions": record["versions"],
         "instructions": record.get("instructions", {}),
     }
+
+
+def lines(node: dict[str, Any], depth: int = 0) -> Iterator[str]:
+    """A tree in text: what does not match is marked by an arrow."""
+    indent = "  " * depth
+    yield indent + file_line(node)
+    if "command" in node:
+        yield f"{indent}  by: {node['command']}{'  (shown above)' if node.get('shown_above') else ''}"
+    if "below" in node:
+        yield f"{indent}  from {node['below']} files: a larger --depth shows them"
+    if "params" in node:
+        values = ", ".join(f"{key}={json.dumps(value, ensure_ascii=False)}" for key, value in leaves(node["params"]))
+        yield f"{indent}  params: {values if len(values) <= WIDTH else values[:WIDTH] + ' ... (--json has all)'}"
+        changed = arrow("changed since", node["code_changed"])
+        yield f"{indent}  code: {len(node['code'])} modules  {source_digest.identity(node['code'])[:12]}{changed}"
+    if "raw" in node:
+        raw = node["raw"]
+        wrong = "".join(arrow(kind, raw[kind]) for kind in ("missing", "changed"))
+        yield f"{indent}  lists {raw['files']} files below {raw['folder']}{wrong}"
+    for child in node.get("inputs", ()):
+        yield from lines(child, depth + 1)
+
+
+def file_line(node: dict[str, Any]) -> str:
+    """Path, start of the SHA-256 and, where it does not match, what is wrong."""
+    return f"{node['path']}  {node['sha256'][:12]}{'' if node['state'] == UNCHANGED else arrow(node['state'])}"
+
+
+def arrow(what: str, names: Collection[str] | None = None) -> str:
+    """An arrow to what is wrong, with the names that it is about; nothing where there are none.
+
+    >>> arrow("missing", ["a", "b", "c", "d"]), arrow("missing", [])
+    ('   <-- Missing: a, b, c and 1 more', '')
+    """
+    if names is None:
+        return f"   <-- {what.capitalize()}"
+    return f"   <-- {what.capitalize()}: {some(names)}" if names else ""
+
+
+def some(names: Collection[str]) -> str:
+    """The first of many names."""
+    return ", ".join([*names][:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")

@@ -1,0 +1,210 @@
+"""Which results are not those of a clean run: judged by content, for every job, whoever ran it.
+
+A job is out of date where its run record states other code, libraries, params, command or inputs than today's, or there
+is none; and so is what follows it. Times say nothing, and neither does what an engine remembers. A job whose outputs
+alone are not as recorded is done again, but nothing that follows it: it comes out as it was recorded.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from foggy_synscapes.datasets.index import changed_since_listed
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.io.stamps import Stamps
+from foggy_synscapes.jobs import Each, Job
+from foggy_synscapes.params import Params
+from foggy_synscapes.provenance.runs import code_of, read_run, remembered, select, stamps_of, without_folders
+from foggy_synscapes.results import RESULTS, root
+from foggy_synscapes.steps import all_jobs
+
+OWN = ("python", "foggy-synscapes")
+"""Versions that records state and that make nothing run again."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """A job beside the others.
+
+    record : where it can be read; read, added, written : files that it reads, those of them that may be missing, and
+        those that it writes; stamps : what is known of the content of its files
+    """
+
+    job: Job
+    record: dict[str, Any] | None
+    read: tuple[str, ...]
+    added: tuple[str, ...]
+    written: tuple[str, ...]
+    stamps: Stamps
+
+    @property
+    def name(self) -> str:
+        return " ".join(self.job.command)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether any of its outputs is."""
+        return any(Path(path).exists() for path in self.written)
+
+
+class Current:
+    """All jobs of the params, and which of them have to run."""
+
+    def __init__(self, params: Params) -> None:
+        self.values = without_folders(params)
+        self.nodes = {node.name: node for node in map(_node, all_jobs(params))}
+        self.makers = {path: node.name for node in self.nodes.values() for path in node.written}
+        self._code: dict[tuple[str, ...], tuple[dict[str, str], dict[str, str]]] = {}
+
+    @cached_property
+    def reasons(self) -> dict[str, str]:
+        """Why jobs are out of date by themselves, by their command."""
+        found = {name: self._reason(node) for name, node in self.nodes.items()}
+        return {name: why for name, why in found.items() if why}
+
+    @cached_property
+    def altered(self) -> dict[str, str]:
+        """Jobs that are up to date but for an output that somebody changed, with that output."""
+        found: dict[str, str] = {}
+        for name, node in self.nodes.items():
+            if name not in self.reasons and node.record is not None:
+                outputs = node.record["outputs"].items()
+                wrong = [path for path, digest in outputs if node.stamps.state(path, digest) == "changed"]
+                found |= {name: wrong[0]} if wrong else {}
+        return found
+
+    def planned(self, forced: Collection[str] = ()) -> dict[str, str]:
+        """The jobs that are out of date, each with the reason, and what follows them.
+
+        forced : names of steps, or files, that are made whatever is known of them
+        """
+        chosen = {
+            name
+            for name, node in self.nodes.items()
+            if node.job.step.name in forced or not {*node.written}.isdisjoint(forced)
+        }
+        found = dict.fromkeys(chosen, "asked for") | self.reasons
+        waiting, readers = [*found], self._readers
+        while waiting:
+            for path in self.nodes[waiting.pop()].written:
+                for reader in readers[path]:
+                    if reader not in found:
+                        found[reader] = f"{path} is made again"
+                        waiting.append(reader)
+        return found
+
+    @cached_property
+    def _readers(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = defaultdict(list)
+        for name, node in self.nodes.items():
+            for path in node.read:
+                found[path].append(name)
+        return found
+
+    def _reason(self, node: Node) -> str:
+        """Why a job is out of date by itself; empty where it is not."""
+        record, job = node.record, node.job
+        if record is None:
+            return "it has no run record" if node.is_there else "it was not made yet"
+        code, libraries = self._code_of(job)
+        versions = {name: value for name, value in record.get("versions", {}).items() if name not in OWN}
+        params = select(self.values, *job.keys())
+        changes: list[tuple[str, Any, Any]] = [
+            ("its code", record.get("code"), code),
+            ("a library", versions, libraries),
+            ("its params", record.get("params"), json.loads(json.dumps(params))),
+            ("its command", record["command"], job.command),
+            ("the list of its outputs", sorted(record["outputs"]), sorted({*node.written} - {_record_of(job)})),
+        ]
+        for what, before, now in changes:
+            if before != now:
+                return f"{what} changed{_difference(before, now)}"
+        return self._changed_input(node, record["inputs"])
+
+    def _changed_input(self, node: Node, recorded: dict[str, str]) -> str:
+        for path, digest in recorded.items():
+            if path not in node.read:
+                return f"it read {path}, which is none of its inputs now"
+            if self._today(node, path) != digest:
+                return f"{path} is not what it read"
+        # Of files that may be missing, such as scores of runs that were not made, another may have come.
+        added = [path for path in node.added if path not in recorded and self._today(node, path)]
+        return f"{added[0]} is new" if added else ""
+
+    def _today(self, node: Node, path: str) -> str | None:
+        """What a file holds, or comes to hold where it is made again as recorded; None where nothing is known of it."""
+        maker = self.nodes[self.makers[path]].record if path in self.makers else None
+        if maker is not None:
+            return maker["outputs"].get(path)
+        return node.stamps.sha256(path) if Path(path).is_file() and not path.startswith(f"{RESULTS}/") else None
+
+    def _code_of(self, job: Job) -> tuple[dict[str, str], dict[str, str]]:
+        key = (job.step.word, *job.code())
+        if key not in self._code:
+            self._code[key] = code_of(job)
+        return self._code[key]
+
+
+class Again(NamedTuple):
+    """A job that has to run again, and why; `alone` where it comes out as recorded, so that nothing follows it."""
+
+    node: Node
+    why: str
+    alone: bool
+
+
+def out_of_date(params: Params, forced: Collection[str] = ()) -> list[Again]:
+    """Jobs that have to run, by `Current.planned` and `Current.altered`; what is hashed is known the next time."""
+    current = Current(params)
+    planned, altered = current.planned(forced), current.altered
+    found = [Again(current.nodes[name], why, False) for name, why in planned.items()]
+    found += [Again(current.nodes[name], f"{altered[name]} was altered", True) for name in altered.keys() - planned]
+    for node in current.nodes.values():
+        node.stamps.save()
+    return found
+
+
+def changed_raw_data(job: Job) -> list[Path]:
+    """Files of a dataset that are not as the job which lists them found them."""
+    folder = root(job.params, job.command[-1])
+    return [folder / path for index in job.outputs("index") for path in changed_since_listed(index, folder)]
+
+
+def _node(job: Job) -> Node:
+    written = (*_texts(job.outputs()), _record_of(job))
+    # Where nothing is left of what a job made, such as shards that take up space, what is remembered of it stands.
+    gone = not any(Path(path).exists() for path in written)
+    try:
+        record = read_run(remembered(job) if gone else job.output("record"))
+    except FoggyError:
+        record = None
+    step, values = job.step, (job.params, job.values)
+    gathered = [path for each in step.inputs.values() if isinstance(each, Each) for path in step.files(each, *values)]
+    return Node(
+        job,
+        record,
+        read=_texts(job.read()),
+        added=_texts([*gathered, *(step.optional(*values) if step.optional else ())]),
+        written=written,
+        stamps=stamps_of(job),
+    )
+
+
+def _record_of(job: Job) -> str:
+    return job.output("record").as_posix()
+
+
+def _texts(paths: Iterable[str | Path]) -> tuple[str, ...]:
+    return tuple(Path(path).as_posix() for path in paths)
+
+
+def _difference(before: Any, now: Any) -> str:
+    """The first key by which two mappings differ."""
+    if not isinstance(before, dict) or not isinstance(now, dict):
+        return ""
+    names = [name for name in sorted({*before, *now}) if before.get(name) != now.get(name)]
+    return f" ({names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''})"
