@@ -34,7 +34,7 @@ from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing
 from foggy_synscapes.params import load
-from foggy_synscapes.provenance.instructions import gpu
+from foggy_synscapes.provenance.runs import gpu
 from foggy_synscapes.training import loop, losses
 from foggy_synscapes.training.learner import Arithmetic, Learner
 from foggy_synscapes.training.loader import Steps

@@ -12,7 +12,7 @@ from foggy_synscapes.networks.bisenet_layers import PooledNorm
 from foggy_synscapes.networks.device import take
 from foggy_synscapes.networks.network import build
 from foggy_synscapes.networks.weights import Model, Preprocessing
-from foggy_synscapes.provenance import instructions
+from foggy_synscapes.provenance import runs
 from foggy_synscapes.training.learner import Arithmetic, Learner
 from foggy_synscapes.training.loader import Batch
 
@@ -156,7 +156,7 @@ def test_a_gpu_is_recorded_by_what_decides_its_bytes(monkeypatch):
     monkeypatch.setattr(torch.cuda, "get_device_name", lambda: "NVIDIA Something")
     monkeypatch.setattr(torch.backends.cudnn, "version", lambda: 91002)
     monkeypatch.setattr(torch.version, "cuda", "13.0")
-    found = instructions.gpu()
+    found = runs.gpu()
     assert sorted(found) == ["cuda", "cudnn", "driver", "model"]
     assert (found["model"], found["cuda"], found["cudnn"]) == ("NVIDIA Something", "13.0", "91002")
     assert importlib.import_module("json").dumps(found)

@@ -2,6 +2,7 @@
 
 import os
 import tarfile
+import time
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.atomic import replacing, write_bytes, write_text
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.io.shards import Shard, read_manifest, write_manifest, write_shard
+from foggy_synscapes.io.stamps import CACHE, SETTLED_NS
 from foggy_synscapes.io.tables import read_csv, write_csv
 
 INDEX = Path("index/demo/all.csv")
@@ -112,15 +114,23 @@ def test_an_index_lists_sizes_and_hashes_sorted_by_path(dataset: Path) -> None:
     assert INDEX.read_text().splitlines()[1].startswith("a/c.png,7,")
 
 
-def test_a_file_of_unchanged_size_and_time_is_not_read_again(dataset: Path) -> None:
+def test_other_bytes_of_equal_size_and_time_are_seen(dataset: Path) -> None:
     index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
-    write_bytes(dataset / "b.png", b"other")
-    # Other bytes, as many and as old: only who reads the file would know.
     content, times = dataset / "a/c.png", (dataset / "a/c.png").stat()
-    content.write_bytes(content.read_bytes()[::-1])
+    content.write_bytes(b"A/C.png")
     os.utime(content, ns=(times.st_atime_ns, times.st_mtime_ns))
     index.write_index(INDEX, dataset, ["b.png", "a/c.png"])
-    assert index.read_index(INDEX) == {"a/c.png": sha256_bytes(b"a/c.png"), "b.png": sha256_bytes(b"other")}
+    assert index.read_index(INDEX) == {"a/c.png": sha256_bytes(b"A/C.png"), "b.png": sha256_bytes(b"b.png")}
+
+
+def test_a_file_with_the_stamp_of_the_last_time_is_not_read_again(dataset: Path) -> None:
+    time.sleep(2 * SETTLED_NS / 1e9)  # a stamp of just now could be that of two contents
+    index.write_index(INDEX, dataset, ["b.png"])
+    (cache,) = CACHE.rglob("*.json")
+    known = sha256_bytes(b"b.png")
+    cache.write_text(cache.read_text().replace(known, known[::-1]))
+    index.write_index(INDEX, dataset, ["b.png"])
+    assert index.read_index(INDEX) == {"b.png": known[::-1]}
 
 
 def test_a_file_has_changed_if_its_content_has_and_not_if_only_its_time_has(dataset: Path) -> None:

@@ -211,7 +211,7 @@ def test_more_frames_than_were_kept_are_refused(params: Params) -> None:
         (["--airlight"], "a job of the pipeline has --shard"),
         (["--shard", "0000", "--airlight", "--beta", "0.005"], "either --airlight or one --beta"),
         (["--shard", "0009", "--airlight"], "--shard 0009: not in scenes.shards"),
-        (["--shard", "0000", "--beta", "0.5"], "--beta 0.5: not in fog.betas"),
+        (["--shard", "0000", "--beta", "0.5"], "--beta 0.5 --shard 0000: not in fog.betas"),
         (["--shard", "0000", "--beta", "0.005", "--out", "x"], "--out is not for jobs of the pipeline"),
     ],
 )
