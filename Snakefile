@@ -22,7 +22,9 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.io.reasons import reasons
 from foggy_synscapes.jobs import Job, at
+from foggy_synscapes.planning import asked
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.check import stale_results
 from foggy_synscapes.provenance.recorded import select
@@ -206,17 +208,23 @@ onstart:
     remove_leftovers(results.RESULTS)
 
 
+onerror:
+    # Snakemake says of a failed job which command it was, and the reason is in its log.
+    for reason in reasons(log):
+        print(reason, file=sys.stderr)
+
+
 rule all:
     """The tables, the figures and the check of the numbers at their extremes."""
     default_target: True
     input:
-        [
-            path
-            for word in ("tables", "figures", "stability")
-            for step in steps(word)
-            for values in step.all_values(PARAMS)
-            for path in Job(step, PARAMS, values).outputs()
-        ],
+        asked.outputs(PARAMS, "all"),
+
+
+rule paper:
+    """The rows of the paper's two tables and nothing that they do not need: `snakemake --cores 2 paper`."""
+    input:
+        asked.outputs(PARAMS, "paper"),
 
 
 include: "workflow/rules/scenes.smk"

@@ -30,6 +30,7 @@ ORDER = (
     "tradeoff",
     "jobs",
     "steps",
+    "planning",
     "provenance",
     "stages",
     "cli",
