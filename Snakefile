@@ -21,7 +21,9 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.plain_yaml import read_yaml
+from foggy_synscapes.io.reasons import reasons
 from foggy_synscapes.jobs import Job, at
+from foggy_synscapes.planning import asked
 from foggy_synscapes.provenance.current import changed_raw_data, out_of_date
 from foggy_synscapes.provenance.runs import PLANNED, params_digest, select
 
@@ -64,7 +66,6 @@ PARAMS_OPTION = (
     "" if PARAMS_FILE == "params.yaml" else f" --params {quote(PARAMS_FILE)}"
 )
 VALUES = PARAMS.model_dump(mode="json", by_alias=True)
-ASKED = ("tables", "figures", "stability")
 NAMED = 5  # jobs out of date that are named
 
 
@@ -137,13 +138,7 @@ def waits(step):
 
 def asked_for(wildcards):
     """The results of the whole experiment, and what somebody altered of those before them."""
-    jobs = [
-        Job(step, PARAMS, values)
-        for word in ASKED
-        for step in steps(word)
-        for values in step.all_values(PARAMS)
-    ]
-    return [path for job in jobs for path in job.outputs()] + sorted(plan()[1])
+    return asked.outputs(PARAMS, "all") + sorted(plan()[1])
 
 
 def outputs(step, **shown):
@@ -229,11 +224,23 @@ onstart:
     remove_leftovers(results.RESULTS)
 
 
+onerror:
+    # Snakemake says of a failed job which command it was, and the reason is in its log.
+    for reason in reasons(log):
+        print(reason, file=sys.stderr)
+
+
 rule all:
     """The tables, the figures and the check of the numbers at their extremes."""
     default_target: True
     input:
         asked_for,
+
+
+rule paper:
+    """The rows of the paper's two tables and nothing that they do not need: `snakemake --cores 2 paper`."""
+    input:
+        asked.outputs(PARAMS, "paper"),
 
 
 include: "workflow/rules/scenes.smk"

@@ -1,8 +1,8 @@
 """What the full experiment costs, from the cost of one image: python benchmarks/budget.py [--params FILE]
 
 Lengths, validations, policies and lists are those of the params, multiply-adds of an image those of the networks at
-their published size; a step backwards counts as two forwards. Disk and the time of fog are those of one real frame,
-times the number of frames. `docs/scale.md` and the README quote what comes of params/paper.yaml.
+the params' size, as `foggy plan` counts them; a step backwards counts as two forwards. Disk and the time of fog are
+those of one real frame, times the number of frames. `docs/scale.md` and the README quote what comes of params/paper.yaml.
 """
 
 import argparse
@@ -15,16 +15,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/helpers"))
 
 from clones import ROOT, table
 
-from foggy_synscapes.networks.catalogue import catalogue
 from foggy_synscapes.params import Params, load
-from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG
+from foggy_synscapes.planning import costs as planned
 
-SYNSCAPES, CITYSCAPES = 1440 * 720, 2048 * 1024  # pixels of an image
-# Images of a test set, and pixels of each. Foggy Driving's are of many sizes; counted as if all had 1280 x 960.
-TESTED = {"foggy_driving": (101, 1280 * 960), "foggy_zurich": (40, 1920 * 1080), "cityscapes": (500, CITYSCAPES)}
-UNIT = 1024 * 512  # pixels of the image that the multiply-adds are for
-PNG, CPU = 1.2e6, 0.055  # bytes of a foggy image; seconds of CPU time that a frame's five foggy images take
+CPU = 0.055  # seconds of CPU time that a frame's five foggy images take
 GPU = 10e12  # multiply-adds a second that the last column supposes; put in what yours sustains
 
 
@@ -44,32 +38,18 @@ class Cost(NamedTuple):
         return (self.steps + self.validations + self.evaluations) / GPU / 3600
 
 
-def validated(params: Params, row: str) -> int:
-    """Pixels of a row's validation list."""
-    entry = params.subset.rows()[row]
-    _, whole = entry.counts()
-    foggy = FOG in KINDS[params.subset.kind(row)].reads
-    # What a list holds beyond its entry's own counts are the Foggy Cityscapes images of a mix.
-    return (SYNSCAPES if foggy else CITYSCAPES) * entry.validation + CITYSCAPES * (whole - entry.validation)
-
-
 def costs(params: Params) -> list[Cost]:
     """What each row of each network costs: a model that is not trained here is evaluated all the same."""
-    pixel = {each["name"]: each["multiply_adds_1024x512"] / UNIT for each in catalogue()}
     trained = {(each.network, each.row): each for each in params.trainings()}
-    tested = sum(count * pixels for count, pixels in (TESTED[name] for name in params.evaluate.test_sets))
-    found = []
+    seeds, found = len(params.train.seeds), []
     for network in params.train.networks:
-        each_pixel = pixel[network] * len(params.train.seeds)
+        tested = sum(planned.evaluation(params, network, test_set) for test_set in params.evaluate.test_sets)
         for row in params.subset.rows():
-            images, steps, looks = 0, 0, 0
-            if (network, row) in trained:
-                each = trained[network, row]
-                images, looks = each.images_seen, each.validations
-                steps = 3 * images * each.policy.crop[0] * each.policy.crop[1]
-            looked = looks * validated(params, row)
-            seen = images * len(params.train.seeds)
-            found.append(Cost(network, row, seen, steps * each_pixel, looked * each_pixel, tested * each_pixel))
+            each = trained.get((network, row))
+            spent = (0, 0.0, 0.0)
+            if each is not None:
+                spent = each.images_seen, planned.steps(params, each), planned.validations(params, each)
+            found.append(Cost(network, row, *(seeds * value for value in (*spent, tested))))
     return found
 
 
@@ -80,13 +60,13 @@ def report(params: Params) -> str:
     heads = ("network", "row", "images", "steps, 10^15", "validation, 10^15", "evaluation, 10^15", "h at 10^13 / s")
     whole = sum(each.steps + each.validations + each.evaluations for each in found)
     frames = params.fog.frames.first + params.fog.frames.last
-    foggy = frames * len(params.fog.betas)
+    foggy, image = frames * len(params.fog.betas), planned.FOGGY * planned.pixels(params, "synscapes")
     return "\n".join(
         [
             table(heads, rows),
             "",
             f"training and evaluation: {_unit(whole)} x 10^15 multiply-adds, {hours(found):.0f} h at 10^13 / s",
-            f"fog: {foggy:,} images, {foggy * PNG / 1e9:.0f} GB, at most {frames * CPU / 60:.0f} min of CPU time",
+            f"fog: {foggy:,} images, {foggy * image / 1e9:.0f} GB, at most {frames * CPU / 60:.0f} min of CPU time",
         ]
     )
 

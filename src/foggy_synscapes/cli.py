@@ -32,6 +32,7 @@ TOOLS = {
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",
     "params": "print a params file complete, with units and sources; check it",
+    "plan": "say what a target runs, reads and costs, before anything starts",
     "steps": "show the table of steps, or make dvc.yaml from it",
     "trace": "show what a result was made from, down to the raw data",
     "unpack": "unpack fog shards into folders",

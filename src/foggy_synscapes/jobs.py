@@ -1,7 +1,7 @@
 """Kinds of jobs and single jobs: templates of paths, filled from params and the values of wildcards."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -53,6 +53,7 @@ class Step:
     megabytes, minutes, gpu, threads (a params key) : what it asks of a cluster
     priority : before others where both could run
     default : part of the whole experiment
+    only : params -> by wildcard, also by a further one of an `Each`, the values that count among those that are listed
     """
 
     name: str
@@ -76,6 +77,7 @@ class Step:
     gpu: bool = False
     priority: int = 0
     default: bool = True
+    only: Callable[[Params], Mapping[str, Collection[str]]] | None = None
 
     def fill(self, template: str, params: Params, values: Values) -> str:
         """A template with its wildcards' values; `{row.beta}` is a value of the wildcard's entry in the params."""
@@ -92,8 +94,7 @@ class Step:
         """The files that a template stands for."""
         if isinstance(template, str):
             return [self.fill(template, params, values)]
-        folder, lists = template.folder, [listed(params, *keys) for keys in template.of.values()]
-        whole = f"{folder}/{template.files}"
+        lists, whole = self._lists(template.of, params), f"{template.folder}/{template.files}"
         chosen = (dict(zip(template.of, found, strict=True)) for found in product(*lists))
         return [self.fill(whole, params, {**values, **more}) for more in chosen]
 
@@ -110,8 +111,16 @@ class Step:
         """Values of the wildcards of every job of this kind."""
         if self.asked and not has(params, self.asked):
             return []
-        lists = [listed(params, key) for key in self.wildcards.values()]
+        lists = self._lists({name: (key,) for name, key in self.wildcards.items()}, params)
         return [dict(zip(self.wildcards, found, strict=True)) for found in product(*lists)]
+
+    def _lists(self, keys: Mapping[str, tuple[str, ...]], params: Params) -> list[list[str]]:
+        """The values of each wildcard, by the params keys that list them."""
+        only = self.only(params) if self.only else {}
+        return [
+            [value for value in listed(params, *each) if name not in only or value in only[name]]
+            for name, each in keys.items()
+        ]
 
     def keys(self, params: Params) -> list[str]:
         """Params keys that jobs of this kind read, with the wildcards of this step."""

@@ -22,6 +22,7 @@ MODEL = f"{TRAINED}/model.safetensors"
 METRICS = f"{SCORED}/metrics.json"
 LIST = f"{RESULTS}/subset/{{row}}/train.csv"
 TABLE = f"{RESULTS}/tables/{{test_set}}"
+PAPERS_TABLE = f"{RESULTS}/tables/paper/{{test_set}}"
 
 
 def index(dataset: str, part: str = "all") -> str:

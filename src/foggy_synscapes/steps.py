@@ -4,6 +4,7 @@ Commands, run records, the rules of Snakemake and dvc.yaml all take these from h
 in `results`. In templates `{row}` is the value of a wildcard and `{row.beta}` a value of its entry in the params.
 """
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from foggy_synscapes.results import (
     LIST,
     METRICS,
     MODEL,
+    PAPERS_TABLE,
     RESULTS,
     SCENES,
     SCORED,
@@ -237,6 +239,35 @@ def _tables() -> Step:
     )
 
 
+def in_the_paper(params: Params) -> dict[str, list[str]]:
+    """Test sets, networks and rows of the tables of which the paper prints numbers, by the names of wildcards."""
+    from foggy_synscapes.tables import published
+
+    lines = [line for test_set in published.TEST_SETS for line in published.load(test_set).index]
+    titles, rows = ({line[k] for line in lines} for k in (0, 1))
+    return {
+        "test_set": published.TEST_SETS,
+        "network": [name for name in params.train.networks if NETWORKS[name].title in titles],
+        "row": [entry.row for entry in params.tables.rows if entry.row in rows],
+    }
+
+
+def _tables_paper() -> Step:
+    whole = _tables()
+    return replace(
+        whole,
+        name="tables_paper",
+        text="Print the scores of the rows that the paper has, and of no others.",
+        command="tables --test-set {test_set} --paper",
+        outputs={
+            **files(PAPERS_TABLE, "csv", "tex", "md", "html", "json"),
+            "record": f"{PAPERS_TABLE}.run.json",
+        },
+        default=False,
+        only=in_the_paper,
+    )
+
+
 def _figure(name: str) -> Step:
     entry = FIGURES[name]
     place = f"{name}_{{test_set}}" if entry.of_test_set else name
@@ -277,6 +308,7 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         *_trainings(),
         *(_evaluate(row) for row in ROWS),
         _tables(),
+        _tables_paper(),
         *(_figure(name) for name in FIGURES),
         measured_steps.stability(),
         measured_steps.tradeoff_fog(),

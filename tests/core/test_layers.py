@@ -34,6 +34,7 @@ ORDER = (
     "step_files",
     "measured_steps",
     "steps",
+    "planning",
     "provenance",
     "stages",
     "cli",

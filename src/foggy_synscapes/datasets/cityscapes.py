@@ -49,5 +49,10 @@ def tested(_root: Path, index: Mapping[str, str], _scenes: Any) -> list[tuple[st
 
 
 DATASET = Dataset(
-    title="clear Cityscapes validation", short_title="clear Cityscapes, val", files=files, test_pairs=tested
+    title="clear Cityscapes validation",
+    short_title="clear Cityscapes, val",
+    files=files,
+    test_pairs=tested,
+    pixels=2048 * 1024,
+    tests=lambda _scenes: 500,
 )

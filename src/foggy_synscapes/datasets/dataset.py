@@ -22,6 +22,8 @@ class Dataset:
     settings : dotted keys of the params that decide, beside its root, which files it has
     test_pairs : (root, index, scenes) -> sorted (image, labelIds) paths below the root, where networks are tested on
         it; the index, SHA-256 by path, vouches for its list files
+    pixels : of an image at full size, for estimates; 0 where nobody says
+    tests : scenes -> number of its test images at full size, for estimates
     """
 
     title: str
@@ -30,6 +32,8 @@ class Dataset:
     parts: str = ""
     settings: tuple[str, ...] = ()
     test_pairs: Callable[[Path, Mapping[str, str], Any], list[tuple[str, str]]] | None = None
+    pixels: int = 0
+    tests: Callable[[Any], int] = lambda _scenes: 0
 
     def tested(self, root: Path, index: Mapping[str, str], scenes: Any) -> list[tuple[str, str]]:
         """What `test_pairs` gives; FoggyError where networks are not tested on this dataset."""

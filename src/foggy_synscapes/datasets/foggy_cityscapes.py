@@ -62,5 +62,9 @@ def files(root: Path, scenes: Any, _part: str) -> list[str]:
 
 
 DATASET = Dataset(
-    title="Foggy Cityscapes", short_title="Foggy Cityscapes", files=files, settings=("scenes.refined_list",)
+    title="Foggy Cityscapes",
+    short_title="Foggy Cityscapes",
+    files=files,
+    settings=("scenes.refined_list",),
+    pixels=2048 * 1024,
 )

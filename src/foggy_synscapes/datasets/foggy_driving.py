@@ -21,4 +21,10 @@ def labels(name: str, coarse: bool) -> str:
     return f"gtCoarse/test_extra/{name}_gtCoarse_labelIds.png" if coarse else f"gtFine/test/{name}_gtFine_labelIds.png"
 
 
-DATASET = listed("Foggy Driving", "Foggy Driving", lambda _scenes: (IMAGES, LABELS))
+DATASET = listed(
+    "Foggy Driving",
+    "Foggy Driving",
+    lambda _scenes: (IMAGES, LABELS),
+    pixels=1280 * 960,  # counted as if all had this size
+    tests=lambda _scenes: 101,
+)

@@ -20,4 +20,6 @@ DATASET = listed(
     "Foggy Zurich",
     lambda scenes: (list_path("RGB", scenes.zurich_list), list_path("gt_labelIds", scenes.zurich_list)),
     settings=("scenes.zurich_list",),
+    pixels=1920 * 1080,
+    tests=lambda scenes: 40 if scenes.zurich_list == "testv2" else 16,
 )

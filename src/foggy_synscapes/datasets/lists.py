@@ -64,11 +64,12 @@ def paired(images: list[str], labels: list[str], name: str) -> list[tuple[str, s
 
 
 def listed(
-    title: str, short_title: str, lists: Callable[[Any], tuple[str, str]], settings: tuple[str, ...] = ()
+    title: str, short_title: str, lists: Callable[[Any], tuple[str, str]], settings: tuple[str, ...] = (), **size: Any
 ) -> Dataset:
     """A dataset of test images that two lists of its own pair with their labelIds.
 
     lists : paths below the root, of the images' list and of the label maps', by the params section scenes
+    size : `pixels` and `tests` of `Dataset`
     """
 
     def pairs(root: Path, index: Mapping[str, str] | None, scenes: Any) -> list[tuple[str, str]]:
@@ -78,4 +79,4 @@ def listed(
     def files(root: Path, scenes: Any, _part: str) -> list[str]:
         return [*lists(scenes), *(path for pair in pairs(root, None, scenes) for path in pair)]
 
-    return Dataset(title, short_title, files, settings=settings, test_pairs=pairs)
+    return Dataset(title, short_title, files, settings=settings, test_pairs=pairs, **size)

@@ -134,4 +134,5 @@ DATASET = Dataset(
     files=files,
     parts="scenes.shards",
     settings=("scenes.shard_frames", "scenes.shards"),
+    pixels=1440 * 720,
 )

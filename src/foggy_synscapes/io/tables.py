@@ -22,6 +22,24 @@ def write_csv(path: str | Path, columns: Sequence[str], rows: Iterable[Sequence[
     write_text(path, buffer.getvalue())
 
 
+class GrowingTable:
+    """A table for people to watch: each row is in the file as soon as it is added. A file of an earlier run begins anew."""
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._file = path.open("w", encoding="utf-8", newline="")
+        self.add(columns)
+
+    def add(self, row: Sequence[Any]) -> None:
+        """Add a row; None becomes an empty cell."""
+        csv.writer(self._file, lineterminator="\n").writerow("" if cell is None else cell for cell in row)
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
 def read_csv(path: str | Path, columns: Sequence[str] = ()) -> list[dict[str, str]]:
     """Read a table that has a header; every cell is text.
 

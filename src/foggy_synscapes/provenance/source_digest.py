@@ -25,6 +25,7 @@ CHASSIS: tuple[str, ...] = (
     "jobs",
     "measured_steps",
     "params",
+    "planning",
     "provenance",
     "registry",
     "results",

@@ -4,9 +4,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from foggy_synscapes.errors import UsageError
+from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.params import STAND_IN, Params, check, load, resolved
+from foggy_synscapes.planning import asked, checks
 
 HELP = (
     "Print a params file complete, with units and sources: its values laid on the packaged defaults. Sections are "
@@ -23,7 +24,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="FILE", help="file to write instead of printing, e.g. params.yaml for DVC"
     )
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--check", action="store_true", help="only check: print nothing but that the file is good")
+    what.add_argument(
+        "--check",
+        action="store_true",
+        help="only check, also what a run would lack: datasets, start weights, lists as long as a batch",
+    )
     what.add_argument("--summary", action="store_true", help="print what the experiment consists of, a line each")
     what.add_argument("--schema", action="store_true", help="print the JSON Schema of params files, for editors")
     what.add_argument("--docs", action="store_true", help="print a page of all keys, as docs/parameters.md")
@@ -52,8 +57,20 @@ def _asked(args: argparse.Namespace) -> str:
     for warning in params.warnings():
         print(f"{path}: warning: {warning}", file=sys.stderr)
     if args.check:
+        _check(path, params)
         return f"{path}: good\n"
     return "\n".join(summary(params)) + "\n" if args.summary else resolved.text(params)
+
+
+def _check(path: Path, params: Params) -> None:
+    """Say which sections nothing reads; FoggyError naming all that a run of the whole experiment would lack."""
+    jobs = asked.jobs(params)
+    unused = checks.unused(params, jobs)
+    if unused:
+        print(f"{path}: note: nothing that is asked for reads {', '.join(unused)}", file=sys.stderr)
+    found = checks.problems(params, jobs)
+    if found:
+        raise FoggyError("\n  ".join([f"{path}: a run would end on this:", *found]))
 
 
 def summary(params: Params) -> list[str]:

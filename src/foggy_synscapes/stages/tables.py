@@ -26,6 +26,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     parser.add_argument("--test-set", metavar="NAME", help="make the tables of the runs on this test set")
     parser.add_argument(
+        "--paper",
+        action="store_true",
+        help="with --test-set: only the rows that the paper has, below results/tables/paper",
+    )
+    parser.add_argument(
         "--published", action="store_true", help="make both tables of the paper from its numbers instead"
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="with --published: folder to write to")
@@ -34,14 +39,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
     if args.published:
-        if args.test_set or not args.out:
-            raise UsageError("--published makes both tables of the paper: give --out DIR and no --test-set")
+        if args.test_set or args.paper or not args.out:
+            raise UsageError("--published makes both tables of the paper: give --out DIR, and no --test-set or --paper")
         published(args.out)
     elif args.test_set and not args.out:
         params = load(args.params)
         if args.test_set not in (known := test_sets()):
             raise UsageError(f"--test-set {args.test_set}: there are {', '.join(known)}")
-        tables(params, args.test_set)
+        if args.paper and args.test_set not in PUBLISHED:
+            raise UsageError(f"--paper: has tables of {', '.join(PUBLISHED)}, none of {args.test_set}")
+        tables(params, args.test_set, args.paper)
     else:
         raise UsageError("give --test-set, or --published and --out DIR")
 
@@ -57,24 +64,28 @@ def published(out: Path) -> None:
         print(f"{out / test_set}.tex, .csv and .md: {len(rows)} published rows")
 
 
-def tables(params: Params, test_set: str) -> None:
+def tables(params: Params, test_set: str, paper: bool = False) -> None:
     """Write results/tables/TEST_SET.csv, .tex, .md, .html and .json from the metrics of all runs that exist.
+
+    paper : only of the networks and rows of which the paper prints numbers, to results/tables/paper
 
     Raises
     ------
     FoggyError
         If a metrics file is damaged or of other classes, or two runs were scored against other label maps.
     """
-    lists, rows = params.subset.rows(), [entry.row for entry in params.tables.rows]
+    this = job(params, "tables_paper" if paper else "tables", test_set=test_set)
+    only = this.step.only(params) if this.step.only else {}
+    lists, rows = params.subset.rows(), only.get("row", [entry.row for entry in params.tables.rows])
     # The baseline is trained, not fine-tuned: its row names no number of images, as in the paper.
     used = {row: lists[row].train if row in lists and row not in params.train.from_weights else None for row in rows}
-    labels = {r.row: (r.training, r.fine_tuning, images_text(r.images, used[r.row])) for r in params.tables.rows}
-    networks, seeds = list(params.train.networks), list(params.train.seeds)
+    printed = [entry for entry in params.tables.rows if entry.row in rows]
+    labels = {r.row: (r.training, r.fine_tuning, images_text(r.images, used[r.row])) for r in printed}
+    networks, seeds = list(only.get("network", params.train.networks)), list(params.train.seeds)
     # Metrics of a row that these params do not train may lie there from others: they are not of this experiment.
     trained = [*params.train.from_weights, *params.train.from_baseline]
     runs: dict[tuple[str, str], dict[str, dict[str, Any] | None]] = {}
     documents: list[dict[str, Any]] = []
-    this = job(params, "tables", test_set=test_set)
     run = Run(this, [path for path in this.read() if path.is_file()])
     for network in networks:
         for row in rows:
@@ -88,7 +99,7 @@ def tables(params: Params, test_set: str) -> None:
     made = ours.tables(test_set, results, annotated_classes(documents), params.stand_in)
     run.write(
         csv=ours.long_csv(test_set, results),
-        tex=formats.latex(made, f"Made by foggy tables --test-set {test_set}."),
+        tex=formats.latex(made, f"Made by {' '.join(this.command)}."),
         md=formats.markdown(made),
         html=formats.html(made, DATASETS[test_set].title),
         json=json.dumps(ours.means(results), indent=1) + "\n",

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from tqdm import tqdm
 
 from foggy_synscapes.datasets.pairs import PairDataset
 from foggy_synscapes.datasets.uris import Reader
@@ -19,7 +18,8 @@ from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames.compositing import composite
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.files import LARGEST_WEIGHTS, read_bytes
-from foggy_synscapes.io.tables import write_csv
+from foggy_synscapes.io.progress import Progress
+from foggy_synscapes.io.tables import GrowingTable, write_csv
 from foggy_synscapes.labels import CLASSES
 from foggy_synscapes.networks import NETWORKS
 from foggy_synscapes.networks.device import take
@@ -119,9 +119,18 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
     snapshot = this.output("model").with_name("snapshot.safetensors")
     earlier = read_bytes(snapshot, "snapshot", limit=LARGEST_WEIGHTS) if snapshot.exists() else None
     if earlier and ranks.first:
-        print(f"{label}: going on from {snapshot}")
-    live = Live(asked.live if ranks.first else [], Path(LOGS), f"{network}/{row}/seed-{seed}")
-    with _explained(network, row, policy, snapshot), closing(live):
+        print(f"{label}: going on from {snapshot}", flush=True)
+    place = f"{network}/{row}/seed-{seed}"
+    live = Live(asked.live if ranks.first else [], Path(LOGS), place)
+    # While it is trained, its curve is no result but there for people.
+    watched = Path(LOGS, "train", place, "curves.csv") if ranks.first else Path(os.devnull)
+    curve = GrowingTable(watched, loop.CURVE)
+
+    def record(values: list) -> None:
+        curve.add(values)
+        live.write(values[0], dict(zip(WATCHED, values[1:], strict=True)))
+
+    with _explained(network, row, policy, snapshot), closing(live), closing(curve):
         plan = loop.Plan(
             steps=schedule.length.steps(training.count, policy.batch),
             validate_every=schedule.validate_.steps(training.count, policy.batch),
@@ -132,8 +141,9 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
         )
         device = take(params.device_of("train"), asked.threads, **params.gpu.model_dump())
         ranks.take_device(device)
-        quiet = None if ranks.first else True
-        with tqdm(desc=label, unit="image", total=plan.steps * policy.batch, disable=quiet) as bar:
+        if ranks.first:
+            print(f"{label}: its curve so far is {watched}", flush=True)
+        with _shown(label, plan.steps, policy.batch, ranks.first) as report:
             outcome = loop.train(
                 model,
                 policy,
@@ -145,8 +155,8 @@ def train(params: Params, network: str, row: str, seed: str, ranks: Ranks = ALON
                 # Code and libraries too: weights must not come half from one version of the loss, half from another.
                 settings={**run.identity(), "seed": seed, "processes": ranks.count},
                 snapshot=earlier,
-                report=_reporter(bar, policy.batch),
-                record=lambda values: live.write(values[0], dict(zip(WATCHED, values[1:], strict=True))),
+                report=report,
+                record=record,
                 ranks=ranks,
             )
     if not ranks.first:
@@ -213,9 +223,20 @@ def _start(settings: NetworkSettings, network: str, start: Path | str, seed: int
         raise FoggyError(f"{start}: {error}") from error
 
 
-def _reporter(bar: tqdm, batch: int) -> Callable[[int, float, float], None]:
-    def report(done: int, loss: float, rate: float) -> None:
-        bar.set_postfix({"loss": f"{loss:.3f}", "rate": f"{rate:.2e}"}, refresh=False)
-        bar.update(done * batch - bar.n)
+@contextmanager
+def _shown(label: str, steps: int, batch: int, shown: bool) -> Iterator[Callable[[int, float, float], None]]:
+    """What takes the steps done, the loss and the learning rate, and shows how far the training is."""
+    bar: Progress | None = None
 
-    return report
+    def report(done: int, loss: float, rate: float) -> None:
+        nonlocal bar
+        if not shown:
+            return
+        if bar is None:
+            # Begun after the first step: what an earlier run did is no speed of this one, nor is the start of workers.
+            bar = Progress(label, steps * batch, done=done * batch)
+        bar.update(done * batch, loss=f"{loss:.3f}", rate=f"{rate:.2e}")
+
+    yield report
+    if bar is not None:
+        bar.close()

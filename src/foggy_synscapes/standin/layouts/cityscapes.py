@@ -61,4 +61,10 @@ def _frames(plan: Any) -> list[Frame]:
     return found
 
 
-STAND_IN = StandIn(counts=CityscapesCounts, text="of each split", published="2,975 and 500", frames=_frames)
+STAND_IN = StandIn(
+    counts=CityscapesCounts,
+    text="of each split",
+    published="2,975 and 500",
+    frames=_frames,
+    tests=lambda scenes: scenes.stand_in.cityscapes.val,
+)

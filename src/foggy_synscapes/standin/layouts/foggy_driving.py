@@ -100,5 +100,10 @@ def _lists(frames: list[Frame], scenes: Any) -> Files:
 
 
 STAND_IN = StandIn(
-    counts=DrivingCounts, text="with fine and with coarse labels", published="33 and 68", frames=_frames, lists=_lists
+    counts=DrivingCounts,
+    text="with fine and with coarse labels",
+    published="33 and 68",
+    frames=_frames,
+    lists=_lists,
+    tests=lambda scenes: scenes.stand_in.foggy_driving.fine + scenes.stand_in.foggy_driving.coarse,
 )

@@ -31,6 +31,7 @@ class StandIn:
     lists : (frames, params section `scenes`) -> list files
     others : stand-ins whose entries it is rendered by too
     check : raises ValueError where the plan contradicts itself
+    tests : params section `scenes` -> number of its frames that networks are tested on
     """
 
     counts: Any
@@ -40,6 +41,7 @@ class StandIn:
     lists: Callable[[list[Frame], Any], Files] = field(default=lambda _frames, _scenes: [])
     others: tuple[str, ...] = ()
     check: Callable[[Any], None] = field(default=lambda _plan: None)
+    tests: Callable[[Any], int] = field(default=lambda _scenes: 0)
 
 
 def lines(path: str, texts: Iterable[str]) -> tuple[str, bytes]:

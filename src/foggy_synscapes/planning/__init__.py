@@ -1,0 +1,1 @@
+"""What an experiment will run, need and cost, said before anything runs."""
