@@ -65,7 +65,8 @@ def renew_indexes(repo: Repo, planned: params.Params) -> int:
 
     Returns the first exit status that is not 0.
     """
-    jobs = {job.step.name: job for job in all_jobs(planned) if job.step.word == "scenes"}
+    stages = {stage.addressing for stage in repo.index.stages}
+    jobs = {job.step.name: job for job in all_jobs(planned) if job.step.word == "scenes" and job.step.name in stages}
     unlike = {*repo.status(targets=[*jobs])} if LOCK.is_file() else {*jobs}
     listed = [name for name, job in jobs.items() if name in unlike or changed_raw_data(job)]
     for name in ["code", *listed] if listed else []:

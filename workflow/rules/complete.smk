@@ -20,6 +20,5 @@ for step in steps("complete"):
         params:
             command=command(step),
             reads=reads(step),
-            code=code(step),
         shell:
             "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"

@@ -58,9 +58,10 @@ def run(args: argparse.Namespace) -> None:
     if len(missing) < len(JOB):
         if args.predictions or args.labels or missing:
             raise UsageError(f"a trained model is scored by {', '.join(given)}, and a folder by --predictions")
+        params = load(args.params)  # first: it names the folder of plugins, which may have test sets
         if args.test_set not in (known := test_sets()):
             raise UsageError(f"--test-set {args.test_set}: there are {', '.join(known)}")
-        evaluate(load(args.params), *given.values())
+        evaluate(params, *given.values())
         return
     if not (args.predictions and args.labels and args.out):
         raise UsageError("give --predictions, --labels and --out, or --network, --row, --seed and --test-set")
