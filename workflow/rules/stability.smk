@@ -7,7 +7,11 @@ def shown(what):
     }
 
 
-SHOWN = {"md": shown("what does not hold"), "csv": shown("every check"), "png": shown("errors by number format")}
+SHOWN = {
+    "md": shown("what does not hold"),
+    "csv": shown("every check"),
+    "png": shown("errors by number format"),
+}
 
 for step in steps("stability"):
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, plugin_files
 
-CHASSIS: tuple[str, ...] = ("cli", "errors", "jobs", "params", "planning", "provenance", "registry", "results", "schema", "steps")
+CHASSIS: tuple[str, ...] = ("cli", "errors", "jobs", "params", "provenance", "registry", "results", "schema", "steps")
 CHASSIS += ("io.lock", "io.progress")
 """Modules and packages, below that of the project, whose code is no part of what a job computes."""
 CHECKED = ("frames.compositing",)

@@ -24,7 +24,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="FILE", help="file to write instead of printing, e.g. params.yaml for DVC"
     )
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--check", action="store_true", help="only check, also what a run would lack: datasets, start weights, lists as long as a batch")
+    what.add_argument(
+        "--check",
+        action="store_true",
+        help="only check, also what a run would lack: datasets, start weights, lists as long as a batch",
+    )
     what.add_argument("--summary", action="store_true", help="print what the experiment consists of, a line each")
     what.add_argument("--schema", action="store_true", help="print the JSON Schema of params files, for editors")
     what.add_argument("--docs", action="store_true", help="print a page of all keys, as docs/parameters.md")

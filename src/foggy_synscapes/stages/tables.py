@@ -26,7 +26,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     parser.add_argument("--test-set", metavar="NAME", help="make the tables of the runs on this test set")
     parser.add_argument(
-        "--paper", action="store_true", help="with --test-set: only the rows that the paper has, below results/tables/paper"
+        "--paper",
+        action="store_true",
+        help="only the rows that the paper has, below results/tables/paper",
     )
     parser.add_argument(
         "--published", action="store_true", help="make both tables of the paper from its numbers instead"
