@@ -2,7 +2,8 @@
 
 Lengths, validations, policies and lists are those of the params, multiply-adds of an image those of the networks at
 the params' size, as `foggy plan` counts them; a step backwards counts as two forwards. Disk and the time of fog are
-those of one real frame, times the number of frames. `docs/scale.md` and the README quote what comes of params/paper.yaml.
+those of one real frame, times the number of frames. `docs/scale.md` and the README quote what comes of
+params/paper.yaml.
 """
 
 import argparse

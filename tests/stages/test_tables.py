@@ -220,3 +220,27 @@ def test_the_article_compiles_whatever_is_made(document, made):
     assert done.returncode == 0, done.stdout[-2000:]
     assert "Overfull" not in done.stdout
     assert Path("article.pdf").stat().st_size > 10_000
+
+
+def test_the_papers_rows_alone(document):
+    document["subset"]["pure"]["mine"] = document["subset"]["pure"]["FS-498"]
+    document["train"]["rows"]["mine"] = document["train"]["rows"]["FS-498"]
+    document["train"]["from_baseline"].append("mine")
+    document["tables"]["rows"].append({"row": "mine", "training": "C", "fine_tuning": "FS"})
+    put_metrics(metrics_path("C"))
+    put_metrics(metrics_path("mine"))
+    assert tables(document) == 0
+    assert main(["tables", "--test-set", "foggy_zurich", "--paper"]) == 0
+    whole, own = (rows_of(Path(f"results/tables/{place}foggy_zurich.csv")) for place in ("", "paper/"))
+    assert {row["row"] for row in whole} - {row["row"] for row in own} == {"mine", "C-control"}
+    assert [row for row in whole if row["row"] in PAPERS_ROWS] == own
+    assert "mine" not in Path("results/tables/paper/foggy_zurich.run.json").read_text()
+
+
+PAPERS_ROWS = {"C", "FC-498", "FS-24500", "FS-498", "FC-FS-498"}
+
+
+def test_the_paper_has_no_table_of_clear_cityscapes(document, capsys):
+    assert tables(document) == 0
+    assert main(["tables", "--test-set", "cityscapes", "--paper"]) == 2
+    assert "foggy_driving, foggy_zurich, none of cityscapes" in capsys.readouterr().err

@@ -335,3 +335,20 @@ def test_fog_on_the_fly_trains_the_same_model_as_fog_ahead(project):
         assert train() == 0
         models.append(hashes()["model.safetensors"])
     assert models[0] == models[1]
+
+
+def test_log_and_curve_are_there_while_it_trains(project, monkeypatch, capfd):
+    interrupt(monkeypatch, 2)
+    # What an engine writes to a log is there before the end: the curve up to the step that was cut off, and a speed.
+    with open("results/logs/train/bisenet/C/seed-0/curves.csv") as file:
+        assert [row["step"] for row in csv.DictReader(file)] == ["1", "2"]
+    told = capfd.readouterr()
+    assert "its curve so far is results/logs/train/bisenet/C/seed-0/curves.csv" in told.out
+    assert "train bisenet C: 2 of 6 images, loss " in told.err
+    assert "images/s" in told.err
+    assert train() == 0
+    curves = [
+        Path(folder, "bisenet/C/seed-0/curves.csv").read_bytes() for folder in ("results/logs/train", "results/train")
+    ]
+    assert curves[0] == curves[1]
+    assert "images/s" not in Path("results/train/bisenet/C/seed-0/run.json").read_text()

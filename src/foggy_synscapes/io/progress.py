@@ -42,8 +42,8 @@ class Progress:
             rate = (done - self._began) / max(now - self._first, 1e-9)
             left = timedelta(seconds=round((self._total - done) / rate)) if rate else "unknown"
             said = "".join(f", {name} {value}" for name, value in values.items())
-            line = f"{self._label}: {done:,} of {self._total:,} {self._unit}s{said}, {rate:.3g} {self._unit}s/s, {left} left"
-            print(line, file=sys.stderr, flush=True)
+            told = f"{self._label}: {done:,} of {self._total:,} {self._unit}s{said}"
+            print(f"{told}, {rate:.3g} {self._unit}s/s, {left} left", file=sys.stderr, flush=True)
             self._last = now
         self._done = done
 

@@ -29,7 +29,8 @@ def _names(match: re.Match) -> Iterator[str]:
 
 
 def _end(path: Path) -> str:
-    text = path.read_text(encoding="utf-8", errors="replace").rstrip() if path.is_file() else ""
+    # As bytes, or a carriage return would become a line's end.
+    text = path.read_bytes().decode("utf-8", errors="replace").rstrip() if path.is_file() else ""
     # A progress bar draws over itself: what it showed last is behind the last carriage return.
-    lines = [line.rstrip("\r").rpartition("\r")[2] for line in text.split("\n")]
+    lines = [line.rstrip().rpartition("\r")[2] for line in text.split("\n")]
     return "\n".join(f"    {line}" for line in lines[-LINES:]) if text else "    (says nothing: the job was killed)"

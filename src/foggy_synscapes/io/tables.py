@@ -23,7 +23,7 @@ def write_csv(path: str | Path, columns: Sequence[str], rows: Iterable[Sequence[
 
 
 class GrowingTable:
-    """A table for people to watch: each row is in the file as soon as it is added. A file of an earlier run begins anew."""
+    """A table for people to watch: a row is in the file as soon as it is added. What was there before is gone."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""What would end a run after hours, found in params and on the disk before it begins; only what the jobs need counts."""
+"""What would end a run after hours, found in params and on disk before it begins; only what the jobs need counts."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -66,7 +66,7 @@ def unused(params: Params, jobs: Sequence[Job]) -> list[str]:
     """Keys of sections that no job reads: what stands there does not matter."""
     needed = set(datasets(jobs))
     found = [f"scenes.roots.{name}" for name in params.scenes.roots if name not in needed]
-    read = {key for job in jobs if job.step.word != "scenes" for key in job.keys()}
+    read = set().union(*(job.keys() for job in jobs if job.step.word != "scenes"))
     sections = ["filter", "fog", *(f"subset.{kind}" for kind in params.subset.kinds())]
     for network in params.train.settings:
         own = f"train.{network}"

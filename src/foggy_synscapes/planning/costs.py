@@ -113,7 +113,8 @@ def disk(params: Params, jobs: Iterable[Job]) -> float:
     Snapshots, three times a model while it trains, and the copies of DVC's cache, where the file system makes copies,
     are not counted, nor is what is small: indexes, lists, scores, tables and figures.
     """
-    total, shards = 0.0, {}
+    total = 0.0
+    shards: dict[str, list[str]] = {}
     for job in jobs:
         name, values = job.step.name, job.values
         if name == "fog":
@@ -129,4 +130,4 @@ def disk(params: Params, jobs: Iterable[Job]) -> float:
                 frames = len(STAND_INS[dataset].frames(params.scenes.stand_in))
                 total += frames * DRAWN * pixels(params, dataset)
     image = RECIPE if params.fog.render == "on_the_fly" else FOGGY * pixels(params, "synscapes")
-    return total + sum(fogged(params, len(each)) * (MEMBER + image) for each in shards.values())
+    return total + (MEMBER + image) * sum(fogged(params, len(each)) for each in shards.values())

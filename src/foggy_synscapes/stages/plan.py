@@ -12,13 +12,13 @@ from foggy_synscapes.planning.checks import problems
 from foggy_synscapes.planning.plan import Plan, plan
 
 HELP = (
-    "Say what a target runs, reads and costs, all of it, whether parts are made already or not: jobs by word, trainings, "
-    "clear frames of Synscapes and foggy images, bytes on disk, multiply-adds. Nothing is run and no dataset is needed; "
-    "what a run would lack is warned of. Disk: 1.16 bytes for a pixel of a foggy image (measured on real frames; 500 "
-    "bytes for an image where fog.render is on_the_fly), 4 for each weight of a model, 0.02 for a pixel of a prediction, "
-    "4 for a pixel of a drawn frame; without snapshots of trainings that are under way, DVC's cache and the datasets "
-    "themselves. Multiply-adds: of each network as the params shape it, in proportion to pixels, a step backwards as two "
-    "forwards; Foggy Driving's images as if all had 1280 x 960 pixels."
+    "Say what a target runs, reads and costs, whether parts are made already or not: jobs by word, trainings, clear "
+    "frames of Synscapes and foggy images, bytes on disk, multiply-adds. Nothing is run and no dataset is needed; what "
+    "a run would lack is warned of. Disk: 1.16 bytes for a pixel of a foggy image (measured on real frames; 500 bytes "
+    "an image where fog.render is on_the_fly), 4 for each weight of a model, 0.02 for a pixel of a prediction, 4 for a "
+    "pixel of a drawn frame; without snapshots of trainings under way, DVC's cache and the datasets themselves. "
+    "Multiply-adds: of each network as the params shape it, in proportion to pixels, a step backwards as two forwards; "
+    "images of Foggy Driving as if all had 1280 x 960 pixels."
 )
 
 

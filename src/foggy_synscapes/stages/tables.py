@@ -28,7 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--paper",
         action="store_true",
-        help="with --test-set: only the rows that the paper has, below results/tables/paper",
+        help="only the rows that the paper has, below results/tables/paper",
     )
     parser.add_argument(
         "--published", action="store_true", help="make both tables of the paper from its numbers instead"
