@@ -8,7 +8,7 @@ INPUTS ?= 5000
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main update repro test fuzz reruns reads same-bytes faults crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main update repro test fuzz reruns reads same-bytes faults crate promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -55,6 +55,11 @@ crate: $(READY)
 test: $(READY)
 	@echo "== The tests: pytest"
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadgroup
+
+# The chain on real frames at their native size, by both engines (some minutes); docs/real-data.md.
+real: $(READY)
+	@echo "== The chain on real samples: pytest tests/real"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -rs tests/real
 
 # All tables and figures that are made so far, as a PDF. The dates are fixed, so that equal results give equal bytes.
 paper: $(READY)

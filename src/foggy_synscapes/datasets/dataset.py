@@ -11,6 +11,14 @@ STAND_IN = "stand-in"
 """What stands in `scenes.roots` in place of a folder where a dataset is drawn."""
 
 
+class Incomplete(FoggyError):
+    """A file of a dataset is missing. path : its path below the dataset's root"""
+
+    def __init__(self, message: str, path: str) -> None:
+        super().__init__(message)
+        self.path = path
+
+
 @dataclass(frozen=True)
 class Dataset:
     """A dataset on disk. Its functions are given the params section `scenes`, which holds its settings.
@@ -22,6 +30,8 @@ class Dataset:
     settings : dotted keys of the params that decide, beside its root, which files it has
     test_pairs : (root, index, scenes) -> sorted (image, labelIds) paths below the root, where networks are tested on
         it; the index, SHA-256 by path, vouches for its list files
+    folders : those below its root, as its archives unpack; home : which archives they are, and of which site, for
+        messages about a root that lacks them
     """
 
     title: str
@@ -30,6 +40,8 @@ class Dataset:
     parts: str = ""
     settings: tuple[str, ...] = ()
     test_pairs: Callable[[Path, Mapping[str, str], Any], list[tuple[str, str]]] | None = None
+    folders: tuple[str, ...] = ()
+    home: str = ""
 
     def tested(self, root: Path, index: Mapping[str, str], scenes: Any) -> list[tuple[str, str]]:
         """What `test_pairs` gives; FoggyError where networks are not tested on this dataset."""

@@ -21,4 +21,10 @@ def labels(name: str, coarse: bool) -> str:
     return f"gtCoarse/test_extra/{name}_gtCoarse_labelIds.png" if coarse else f"gtFine/test/{name}_gtFine_labelIds.png"
 
 
-DATASET = listed("Foggy Driving", "Foggy Driving", lambda _scenes: (IMAGES, LABELS))
+DATASET = listed(
+    "Foggy Driving",
+    "Foggy Driving",
+    lambda _scenes: (IMAGES, LABELS),
+    folders=("leftImg8bit", "gtFine", "gtCoarse", "lists_file_names"),
+    home="Foggy_Driving.zip of the page of SFSU, Semantic Foggy Scene Understanding with Synthetic Data, ETH Zurich",
+)

@@ -20,4 +20,6 @@ DATASET = listed(
     "Foggy Zurich",
     lambda scenes: (list_path("RGB", scenes.zurich_list), list_path("gt_labelIds", scenes.zurich_list)),
     settings=("scenes.zurich_list",),
+    folders=("RGB", "gt_labelIds", "lists_file_names"),
+    home="Foggy_Zurich.zip of the page of CMAda, Curriculum Model Adaptation, ETH Zurich",
 )
