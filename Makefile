@@ -9,7 +9,7 @@ MINUTES ?= 60
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate promises paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -61,6 +61,11 @@ crate: $(READY)
 test: $(READY)
 	@echo "== The tests: pytest"
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n 2 --dist loadgroup
+
+# The chain on real frames at their native size, by both engines (some minutes); docs/real-data.md.
+real: $(READY)
+	@echo "== The chain on real samples: pytest tests/real"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -rs tests/real
 
 # All tables and figures that are made so far, as a PDF. The dates are fixed, so that equal results give equal bytes.
 paper: $(READY)

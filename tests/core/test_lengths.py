@@ -71,6 +71,20 @@ def test_what_the_printed_policy_says_of_refinenet_is_an_overlay_of_the_paper() 
         assert policy[row].crop == PAPER["refinenet", row].policy.crop
 
 
+def test_where_the_public_model_cannot_be_had_refinenets_baseline_is_trained_from_imagenet() -> None:
+    """As long as the paper's baseline of BiSeNet, by the settings of RefineNet's released training code."""
+    whole = params.load(ROOT / "params/refinenet_baseline.yaml")
+    plan = {(each.network, each.row): each for each in whole.trainings()}
+    added = plan.pop(("refinenet", "C"))
+    assert plan == PAPER
+    assert (added.listed, added.images_seen, added.validations) == (2975, PAPER["bisenet", "C"].images_seen, 16)
+    policy = added.policy
+    assert (policy.learning_rate, policy.backbone_rate, policy.batch, policy.freeze_batch_norm) == (5e-4, 0.1, 1, True)
+    assert (policy.crop, policy.scale, policy.class_balance) == ((600, 600), (0.7, 1.3), True)
+    started = params.load(ROOT / "params/paper.yaml").train.weights("refinenet", "FS-ImageNet")
+    assert whole.train.weights("refinenet", "C") == started
+
+
 def test_the_full_discussion_has_five_betas_three_mixes_both_networks_and_three_seeds() -> None:
     full = params.load(ROOT / "params/discussion_full.yaml")
     kinds = full.subset.kinds()

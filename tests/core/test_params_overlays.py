@@ -15,7 +15,7 @@ from foggy_synscapes.registry import Registry
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ["params.yaml", "params/smoke.yaml", "params/paper.yaml", "params/discussion.yaml"]
-SHIPPED += ["params/refinenet_as_printed.yaml", "params/discussion_full.yaml"]
+SHIPPED += ["params/refinenet_as_printed.yaml", "params/discussion_full.yaml", "params/refinenet_baseline.yaml"]
 DEFAULTS = params.check({}, "defaults")
 
 

@@ -1,6 +1,8 @@
 """`foggy weights import`: files of every kind, read without running what is in them."""
 
 import pickle
+import re
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 import safetensors.torch
 import torch
 
+from foggy_synscapes import params
 from foggy_synscapes.cli import main
 from foggy_synscapes.networks import NetworkConfig
 from foggy_synscapes.networks.layouts import layouts
@@ -26,6 +29,17 @@ def public(layout, network="bisenet"):
     module = build(SMALL[network]).eval()
     translate = layouts()[layout].translate
     return {translate(name, module.config): tensor for name, tensor in module.state_dict().items()}, module
+
+
+def test_the_documented_commands_make_every_file_that_the_params_start_from():
+    root = Path(__file__).resolve().parents[2]
+    command = re.compile(r"^foggy weights import (\S+) --network (\S+) --out (\S+)$", re.MULTILINE)
+    made = {out: network for _, network, out in command.findall((root / "docs/real-data.md").read_text())}
+    needed = {}
+    for name in ("paper.yaml", "discussion_full.yaml", "refinenet_baseline.yaml"):
+        train = params.load(root / "params" / name).train
+        needed |= {train.weights(network, row): network for network in train.networks for row in train.from_weights}
+    assert made == needed
 
 
 def run(file, *options, network="bisenet"):

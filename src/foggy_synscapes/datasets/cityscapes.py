@@ -36,11 +36,23 @@ def pairs(paths: Iterable[str], split: str = "val") -> list[tuple[str, str]]:
 
 def files(root: Path, _scenes: Any, _part: str) -> list[str]:
     """Image and labelIds of every training and validation frame; FoggyError if there is no image of them."""
-    images = [path.relative_to(root).as_posix() for path in (root / "leftImg8bit").glob("*/*/*_leftImg8bit.png")]
+    images = [path.relative_to(root).as_posix() for path in (root / "leftImg8bit").glob("*/*/*") if _is_image(path)]
     found = [path for split in ("train", "val") for pair in pairs(images, split) for path in pair]
     if not found:
         raise FoggyError(f"{root}: no leftImg8bit/train or leftImg8bit/val images. Is this the Cityscapes folder?")
     return found
+
+
+def _is_image(path: Path) -> bool:
+    """Whether a file is an image; FoggyError if it would be one but for its spelling, or lies in another city."""
+    name, city = path.name, path.parent.name
+    if name.startswith(".") or not name.lower().endswith("_leftimg8bit.png"):
+        return False
+    if not name.endswith("_leftImg8bit.png"):
+        raise FoggyError(f"{path}: its name should end in _leftImg8bit.png, letter by letter. Was it renamed?")
+    if not name.startswith(f"{city}_"):
+        raise FoggyError(f"{path}: is of another city than {city}, in whose folder it lies. Was it moved?")
+    return True
 
 
 def tested(_root: Path, index: Mapping[str, str], _scenes: Any) -> list[tuple[str, str]]:
@@ -55,4 +67,6 @@ DATASET = Dataset(
     test_pairs=tested,
     pixels=2048 * 1024,
     tests=lambda _scenes: 500,
+    folders=("leftImg8bit", "gtFine"),
+    home="leftImg8bit_trainvaltest.zip and gtFine_trainvaltest.zip of cityscapes-dataset.com",
 )

@@ -11,6 +11,14 @@ STAND_IN = "stand-in"
 """What stands in `scenes.roots` in place of a folder where a dataset is drawn."""
 
 
+class Incomplete(FoggyError):
+    """A file of a dataset is missing. path : its path below the dataset's root"""
+
+    def __init__(self, message: str, path: str) -> None:
+        super().__init__(message)
+        self.path = path
+
+
 @dataclass(frozen=True)
 class Dataset:
     """A dataset on disk. Its functions are given the params section `scenes`, which holds its settings.
@@ -24,6 +32,8 @@ class Dataset:
         it; the index, SHA-256 by path, vouches for its list files
     pixels : of an image at full size, for estimates; 0 where nobody says
     tests : scenes -> number of its test images at full size, for estimates
+    folders : those below its root, as its archives unpack; home : which archives they are, and of which site, for
+        messages about a root that lacks them
     """
 
     title: str
@@ -34,6 +44,8 @@ class Dataset:
     test_pairs: Callable[[Path, Mapping[str, str], Any], list[tuple[str, str]]] | None = None
     pixels: int = 0
     tests: Callable[[Any], int] = lambda _scenes: 0
+    folders: tuple[str, ...] = ()
+    home: str = ""
 
     def tested(self, root: Path, index: Mapping[str, str], scenes: Any) -> list[tuple[str, str]]:
         """What `test_pairs` gives; FoggyError where networks are not tested on this dataset."""

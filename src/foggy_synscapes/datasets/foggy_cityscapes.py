@@ -53,6 +53,8 @@ def files(root: Path, scenes: Any, _part: str) -> list[str]:
     """The refined list and its frames at every beta of which there is an image; FoggyError if there is none."""
     refined = read_refined(root, scenes.refined_list)
     names = [frame for frames in refined.values() for frame in frames]
+    if not names:
+        raise FoggyError(f"{root / scenes.refined_list}: names no frame")
     betas = [beta for beta in BETAS if any((root / image(name, beta)).is_file() for name in names)]
     if not betas:
         raise FoggyError(
@@ -67,4 +69,9 @@ DATASET = Dataset(
     files=files,
     settings=("scenes.refined_list",),
     pixels=2048 * 1024,
+    folders=("leftImg8bit_foggy",),
+    home=(
+        "leftImg8bit_trainvaltest_foggy.zip of cityscapes-dataset.com, and the list of the refined images that "
+        "scenes.refined_list names"
+    ),
 )

@@ -27,4 +27,6 @@ DATASET = listed(
     lambda _scenes: (IMAGES, LABELS),
     pixels=1280 * 960,  # counted as if all had this size
     tests=lambda _scenes: 101,
+    folders=("leftImg8bit", "gtFine", "gtCoarse", "lists_file_names"),
+    home="Foggy_Driving.zip of the page of SFSU, Semantic Foggy Scene Understanding with Synthetic Data, ETH Zurich",
 )

@@ -22,4 +22,6 @@ DATASET = listed(
     settings=("scenes.zurich_list",),
     pixels=1920 * 1080,
     tests=lambda scenes: 40 if scenes.zurich_list == "testv2" else 16,
+    folders=("RGB", "gt_labelIds", "lists_file_names"),
+    home="Foggy_Zurich.zip of the page of CMAda, Curriculum Model Adaptation, ETH Zurich",
 )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from foggy_synscapes.datasets.dataset import Dataset
+from foggy_synscapes.datasets.dataset import Dataset, Incomplete
 from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.files import named, read_bytes
@@ -24,7 +24,9 @@ def read_text(root: Path, name: str, index: Mapping[str, str] | None = None) -> 
     FoggyError
         If the file is missing, no text, not in the index, or not as listed there.
     """
-    path, advice = root / name, "The dataset's own lists are needed; scenes.refined_list names Foggy Cityscapes'."
+    path, advice = root / name, "The dataset's own lists are needed."
+    if not path.is_file():
+        raise Incomplete(f"{path}: missing. {advice}", name)
     data = read_bytes(path, "list file", advice, LARGEST_LIST)
     if index is not None:
         expect(index, [name], root.name)
@@ -58,18 +60,18 @@ def paired(images: list[str], labels: list[str], name: str) -> list[tuple[str, s
     if len(images) != len(labels):
         raise FoggyError(f"{name}: its lists name {len(images)} images but {len(labels)} label maps")
     for number, (image, label) in enumerate(zip(images, labels, strict=True), start=1):
-        if Path(frame(image)).name != Path(frame(label)).name:
+        if frame(image).split("/")[1:] != frame(label).split("/")[1:]:
             raise FoggyError(f"{name}: line {number} of its lists names {image}, but labels of another frame: {label}")
     return list(zip(images, labels, strict=True))
 
 
 def listed(
-    title: str, short_title: str, lists: Callable[[Any], tuple[str, str]], settings: tuple[str, ...] = (), **size: Any
+    title: str, short_title: str, lists: Callable[[Any], tuple[str, str]], settings: tuple[str, ...] = (), **about: Any
 ) -> Dataset:
     """A dataset of test images that two lists of its own pair with their labelIds.
 
     lists : paths below the root, of the images' list and of the label maps', by the params section scenes
-    size : `pixels` and `tests` of `Dataset`
+    about : further fields of `Dataset`
     """
 
     def pairs(root: Path, index: Mapping[str, str] | None, scenes: Any) -> list[tuple[str, str]]:
@@ -79,4 +81,4 @@ def listed(
     def files(root: Path, scenes: Any, _part: str) -> list[str]:
         return [*lists(scenes), *(path for pair in pairs(root, None, scenes) for path in pair)]
 
-    return Dataset(title, short_title, files, settings=settings, test_pairs=pairs, **size)
+    return Dataset(title, short_title, files, settings=settings, test_pairs=pairs, **about)

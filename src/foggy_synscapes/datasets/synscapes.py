@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.camera import Camera
-from foggy_synscapes.datasets.dataset import STAND_IN, Dataset
+from foggy_synscapes.datasets.dataset import STAND_IN, Dataset, Incomplete
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.files import LARGEST_JSON, named, number, parse_json, read_bytes
 
@@ -120,9 +120,10 @@ def files(root: Path, scenes: Any, shard: str) -> list[str]:
         own = [name(frame) for name in (rgb, depth, class_, meta)]
         missing = [path for path in own if not (root / path).is_file()]
         if missing:
-            raise FoggyError(
+            raise Incomplete(
                 f"{root}: frame {frame} lacks {', '.join(missing)}. Frames {ids[0]} to {ids[-1]} need image, depth, "
-                "class and meta; see scenes.shards and scenes.shard_frames."
+                "class and meta; see scenes.shards and scenes.shard_frames.",
+                missing[0],
             )
         paths += own
     return paths
@@ -135,4 +136,6 @@ DATASET = Dataset(
     parts="scenes.shards",
     settings=("scenes.shard_frames", "scenes.shards"),
     pixels=1440 * 720,
+    folders=("img/rgb", "img/depth", "img/class", "meta"),
+    home="7dlabs.com/synscapes",
 )

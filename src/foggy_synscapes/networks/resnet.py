@@ -4,9 +4,28 @@ Source: He et al., Deep Residual Learning for Image Recognition, CVPR 2016. Para
 """
 
 import torch
+import torch.nn.functional as functional
 from torch import Tensor, nn
 
 from foggy_synscapes.networks.config import BACKBONES
+
+SAFE = 16
+"""Channels from which the gradient of a 1x1 convolution with stride is computed within its memory."""
+
+
+class Shortcut(nn.Conv2d):
+    """A 1x1 convolution with stride, and without padding or bias.
+
+    With fewer than 16 input channels oneDNN writes the gradient of its weights past the end of its memory, which is a
+    crash or wrong numbers (oneDNN issue 6035, channels last). Without a stride it does not, so of few channels the
+    pixels that count are taken out first.
+    """
+
+    def forward(self, x: Tensor) -> Tensor:
+        if self.in_channels >= SAFE:
+            return super().forward(x)
+        down, right = self.stride
+        return functional.conv2d(x[..., ::down, ::right], self.weight)
 
 
 class Block(nn.Module):
@@ -29,7 +48,7 @@ class Block(nn.Module):
             self.add_module(f"conv{number}", convolution)
             self.add_module(f"bn{number}", nn.BatchNorm2d(after))
         if stride != 1 or inputs != outputs:
-            self.downsample = nn.Sequential(nn.Conv2d(inputs, outputs, 1, stride, bias=False), nn.BatchNorm2d(outputs))
+            self.downsample = nn.Sequential(Shortcut(inputs, outputs, 1, stride, bias=False), nn.BatchNorm2d(outputs))
         else:
             self.downsample = None
 

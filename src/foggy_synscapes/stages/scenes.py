@@ -4,8 +4,8 @@ import argparse
 import json
 from pathlib import Path
 
-from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.datasets.index import write_index
+from foggy_synscapes.datasets.roots import files_of
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.checksums import Checksums
@@ -49,8 +49,8 @@ def scenes(params: Params, dataset: str, jobs: int = 1, checksums: Checksums | N
     Raises
     ------
     FoggyError
-        If a file of the real dataset is missing or not as `checksums` say, or the counts of the stand-in contradict
-        each other.
+        If the folder is not that dataset or lacks a file of it (`datasets.roots`), if a file is not as `checksums` say,
+        or if the counts of the stand-in contradict each other.
     """
     if jobs < 1:
         raise UsageError(f"--jobs {jobs}: at least 1 process is needed")
@@ -58,11 +58,9 @@ def scenes(params: Params, dataset: str, jobs: int = 1, checksums: Checksums | N
     run = Run(job(params, f"scenes_{dataset}"))
     if rendered:
         _render(run, dataset, folder, jobs)
-    elif not folder.is_dir():
-        raise FoggyError(f"scenes.roots.{dataset}: {folder} is no folder. Give the dataset's folder, or {STAND_IN!r}.")
     listed = 0
     for index in run.job.outputs("index"):
-        paths = sorted(set(DATASETS[dataset].files(folder, params.scenes, index.stem)))
+        paths = files_of(dataset, folder, params.scenes, index.stem)
         write_index(index, folder, paths, checksums)
         listed += len(paths)
     text = (_RENDERED if rendered else _REAL).format(name=dataset, indexes=run.job.output("record").parent)

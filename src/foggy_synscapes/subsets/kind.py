@@ -99,5 +99,8 @@ class Kind:
 def take(available: list[str], count: int, what: str) -> list[str]:
     """The first frames; FoggyError, naming the key that asks for them, if there are fewer."""
     if count > len(available):
-        raise FoggyError(f"{what}: asks for {count} frames, but there are {len(available)}. Ask for fewer.")
+        raise FoggyError(
+            f"{what}: asks for {count} frames, but there are {len(available)}. "
+            "Ask for fewer, or unpack the whole dataset."
+        )
     return available[:count]
