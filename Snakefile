@@ -92,7 +92,7 @@ def plan():
         return set(), set()
     dag = workflow.dag
     forced = {rule.name for rule in dag.forcerules} | {*map(str, dag.forcefiles)}
-    found = out_of_date(PARAMS, forced)
+    found = out_of_date(PARAMS, forced, asked.outputs(PARAMS, "all"))
     again = [each for each in found if each.node.is_there]
     dag.forcefiles.update(path for each in again for path in each.node.written)
     for each in again[:NAMED]:
@@ -100,13 +100,13 @@ def plan():
     if len(again) > NAMED:
         print(f"out of date: {len(again) - NAMED} more", file=sys.stderr)
     alone = {path for each in found if each.alone for path in each.node.written}
-    return {each.node.name for each in found if not each.alone}, alone
+    return {each.node.name for each in found}, alone
 
 
 def known(step, paths, wildcards):
     """Input files of a job, flagged so that Snakemake does as `plan` says.
 
-    Of a job that is up to date times do not count, and neither does an input that comes out as it was.
+    Of a job that is up to date times do not count, and it does not wait for an input that comes out as it was.
     """
     planned, alone = plan()
     if join(Job(step, PARAMS, dict(wildcards.items())).command) in planned:

@@ -29,9 +29,8 @@ PROJECT = (
     "requirements.lock",
 )
 SMOKE = ("--configfile", "params/smoke.yaml")
-# The profile of this project is quieter than what is read here.
-PLAN = ("--dry-run", "--printshellcmds", "--cores", "1", "--workflow-profile", "none", "--nolock")
-PLAN += ("--max-checksum-file-size", "1000000000000")
+VERBOSE = ("--printshellcmds", "--quiet", "host")  # the profile of this project is quieter than what is read here
+PLAN = ("--dry-run", "--cores", "1", *VERBOSE)
 
 
 def clone(folder: Path) -> Path:

@@ -14,6 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from engines import VERBOSE
+
 from foggy_synscapes import jobs, steps
 from foggy_synscapes.datasets.index import read_index, write_index
 from foggy_synscapes.io.atomic import write_text
@@ -223,7 +225,7 @@ def snakefile(folder: Path) -> list[str]:
     write_text(folder / "Snakefile", head + whole)
     call = [sys.executable, "-m", "snakemake", "--cores", "1", "--configfile", "params.yaml"]
     # The project's profile, but for what it leaves unsaid.
-    return [*call, "--workflow-profile", "none", "--nolock", "--rerun-incomplete", "--printshellcmds"]
+    return [*call, "--workflow-profile", str(ROOT / "workflow/profiles/default"), *VERBOSE]
 
 
 def copied(folder: Path, target: Path, times: bool) -> Path:

@@ -46,7 +46,7 @@ def writes(job: Job) -> list[str]:
 def planned(jobs: list[Job], again: list[Again]) -> set[str]:
     """What Snakemake plans: forced jobs, missing targets, what these miss, and what takes files that are not there."""
     forced = {name(each.node.job) for each in again if each.node.is_there}
-    run = {name(each.node.job) for each in again if not each.alone}
+    run = {name(each.node.job) for each in again}
     alone = {path for each in again if each.alone for path in each.node.written}
     makers = {path: job for job in jobs for path in writes(job)}
     needs = {
@@ -91,7 +91,8 @@ def snakemake(stop_at: int = -1, stop: tiny_chain.Stop | None = None) -> Ran:
 def _plan_and_run(params: Params, jobs: list[Job], ran: Ran, stop_at: int, stop: tiny_chain.Stop | None) -> None:
     if changed_raw_data(jobs[0]):
         _run(jobs[0], ran, stop_at, stop)
-    plan = planned(jobs, out_of_date(params))
+    asked = [path for job in jobs if job.step.word == "tables" for path in writes(job)]
+    plan = planned(jobs, out_of_date(params, asked=asked))
     for job in jobs:
         if name(job) in plan:
             _run(job, ran, stop_at, stop)

@@ -20,11 +20,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
 
 from changes import CHANGES, Change, make, matching
-from engines import SMOKE, clone, environment, for_dvc, hashes, own_sources, planned, ran, run
+from engines import SMOKE, VERBOSE, clone, environment, for_dvc, hashes, own_sources, planned, ran, run
 from plans import compare_plans, differences
-
-VERBOSE = ("--workflow-profile", "none", "--printshellcmds", "--rerun-incomplete")
-VERBOSE += ("--max-checksum-file-size", "1000000000000")
 
 
 def finished(folder: Path) -> tuple[Path, Path]:

@@ -99,3 +99,10 @@ def test_scores_that_someone_altered_are_made_again_and_in_between_no_table_is_m
     told = run(folder, "snakemake", "--cores", "1", "--configfile", "params/smoke.yaml")
     assert ran(told) == {"evaluate bisenet C 0 foggy_zurich"}
     assert metrics.read_bytes() == made
+    metrics.write_text(json.dumps(scores))
+    table = folder / "results/tables/foggy_zurich.csv"
+    table.unlink()
+    told = run(folder, "snakemake", "--cores", "2", "--configfile", "params/smoke.yaml")
+    assert ran(told) == {"evaluate bisenet C 0 foggy_zurich", "tables foggy_zurich"}  # the table waits for the scores
+    assert metrics.read_bytes() == made
+    assert table.read_bytes() == (snakemake / table.relative_to(folder)).read_bytes()

@@ -2,7 +2,8 @@
 
 A job is out of date where its run record states other code, libraries, params, command or inputs than today's, or there
 is none; and so is what follows it. Times say nothing, and neither does what an engine remembers. A job whose outputs
-alone are not as recorded is done again, but nothing that follows it: it comes out as it was recorded.
+alone are not as recorded is done again, but nothing that follows it: it comes out as it was recorded. So is a job whose
+outputs are missing.
 """
 
 import json
@@ -44,6 +45,12 @@ class Node:
     @property
     def name(self) -> str:
         return " ".join(self.job.command)
+
+    @property
+    def awaited(self) -> tuple[str, ...]:
+        """Files that have to be there before it runs."""
+        step, values = self.job.step, (self.job.params, self.job.values)
+        return (*self.read, *(step.waits(*values) if step.waits else ()))
 
     @property
     def is_there(self) -> bool:
@@ -96,6 +103,21 @@ class Current:
                         found[reader] = f"{path} is made again"
                         waiting.append(reader)
         return found
+
+    def missing(self, asked: Iterable[str], running: Iterable[str]) -> set[str]:
+        """Jobs of which a file is missing that is asked for, or that a job reads which runs or is itself among them.
+
+        asked : paths of results; running : commands of jobs
+        """
+        found, waiting = set(running), [*asked]
+        for name in running:
+            waiting += self.nodes[name].awaited
+        while waiting:
+            path = waiting.pop()
+            if path in self.makers and self.makers[path] not in found and not Path(path).exists():
+                found.add(self.makers[path])
+                waiting += self.nodes[self.makers[path]].awaited
+        return found.difference(running)
 
     @cached_property
     def _readers(self) -> dict[str, list[str]]:
@@ -157,12 +179,18 @@ class Again(NamedTuple):
     alone: bool
 
 
-def out_of_date(params: Params, forced: Collection[str] = ()) -> list[Again]:
-    """Jobs that have to run, by `Current.planned` and `Current.altered`; what is hashed is known the next time."""
+def out_of_date(params: Params, forced: Collection[str] = (), asked: Collection[str] = ()) -> list[Again]:
+    """Jobs that have to run, by `Current.planned` and `Current.altered`; what is hashed is known the next time.
+
+    asked : paths of results whose missing files count too, where an altered one may be read for them
+    """
     current = Current(params)
     planned, altered = current.planned(forced), current.altered
     found = [Again(current.nodes[name], why, False) for name, why in planned.items()]
     found += [Again(current.nodes[name], f"{altered[name]} was altered", True) for name in altered.keys() - planned]
+    # An engine finds what is missing itself, but not that it has to wait for an output which is made again as it was.
+    missing = current.missing(asked, [each.node.name for each in found]) if altered else ()
+    found += [Again(current.nodes[name], "a file that it wrote is missing", True) for name in sorted(missing)]
     for node in current.nodes.values():
         node.stamps.save()
     return found

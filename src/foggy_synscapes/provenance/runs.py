@@ -248,8 +248,8 @@ def state(path: str | Path, recorded: str) -> str:
 def instructions() -> dict[str, str]:
     """Machine and instruction set extensions as NumPy finds them, and the environment's limits on them.
 
-    >>> sorted(instructions())[:2]
-    ['extensions', 'machine']
+    >>> {"extensions", "machine"} <= instructions().keys()
+    True
     """
     # By name, because no job computes with NumPy through this: another version of it re-runs nothing for that. No
     # public function returns these features; NPY_DISABLE_CPU_FEATURES is respected.
