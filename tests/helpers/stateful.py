@@ -150,11 +150,12 @@ class History(RuleBasedStateMachine):
         number=st.integers(0, 6),
         point=st.sampled_from(POINTS),
         dvc=st.booleans(),
-        what=st.sampled_from(["code", "params", "raw", "input"]),
+        what=st.sampled_from(["code", "params", "raw", "input", "output"]),
         word=st.sampled_from(tiny_chain.WORDS),
         key=st.sampled_from(sorted(VALUES)),
+        share=st.floats(0, 1, exclude_max=True),
     )
-    def edit_meanwhile(self, number: int, point: str, dvc: bool, what: str, word: str, key: str) -> None:
+    def edit_meanwhile(self, number: int, point: str, dvc: bool, what: str, word: str, key: str, share: float) -> None:
         """An edit while a job runs: the command may refuse to go on, and the next one is as good as any."""
 
         def edit() -> None:
@@ -164,8 +165,10 @@ class History(RuleBasedStateMachine):
                 self.edit_params(key, 1, False)
             elif what == "raw":
                 self.edit_raw("a", "y", False)
-            else:
+            elif what == "input":
                 self.replace_weights("x", False)
+            elif paths := sorted(path for path in Path("results").rglob("*") if path.is_file()):
+                self._write(str(paths[int(share * len(paths))]), "altered", False)
 
         command = self.dvc.repro if dvc and not self.other_weights else tiny_engines.snakemake
         with contextlib.suppress(FoggyError):

@@ -22,7 +22,7 @@ from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.jobs import Each, Job, Step
 from foggy_synscapes.params import Params, check, load
-from foggy_synscapes.provenance import source_digest
+from foggy_synscapes.provenance import current, source_digest
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.results import root
 
@@ -101,6 +101,11 @@ def code(word: str, _entries: object = (), _registries: object = None) -> tuple[
     return {f"toy/{word}.py": source_digest.meaning(Path(f"toy/{word}.py").read_bytes())}, {}
 
 
+def files_of(_name: str, folder: Path, *_: object) -> list[str]:
+    """Raw files, as the datasets' own modules list them."""
+    return [path.name for path in folder.iterdir()]
+
+
 def _command(job: Job) -> list[str]:
     return [
         sys.executable,
@@ -112,18 +117,19 @@ def _command(job: Job) -> list[str]:
 @contextmanager
 def installed() -> Iterator[None]:
     """The chain in place of the real one, while the block lasts."""
-    before = steps._steps, source_digest.code, Job.command
+    before = steps._steps, source_digest.code, current.files_of, Job.command
     install()
     try:
         yield
     finally:
-        steps._steps, source_digest.code, Job.command = before  # type: ignore[assignment, method-assign]
+        steps._steps, source_digest.code, current.files_of, Job.command = before  # type: ignore[assignment, method-assign]
 
 
 def install() -> None:
     """Put the chain in the place of the real one, in this process."""
     steps._steps = lambda _plugins: TABLE  # type: ignore[assignment]
     source_digest.code = code
+    current.files_of = files_of  # type: ignore[attr-defined]
     Job.command = property(_command)  # type: ignore[assignment, method-assign]
 
 
@@ -176,7 +182,7 @@ def run(job: Job, stop: Stop | None = None) -> None:
     said = json.dumps([word, value["VALUE"], made.params], sort_keys=True)
     if word == "scenes":
         folder = root(params, "synscapes")
-        write_index(job.output("index"), folder, [path.name for path in folder.iterdir()])
+        write_index(job.output("index"), folder, files_of("synscapes", folder))
     elif word == "fog":
         folder = root(params, "synscapes")
         images = [read_checked(folder / path, digest).decode() for path, digest in read_index(Path(INDEX)).items()]

@@ -10,9 +10,10 @@ from pathlib import Path
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.checksums import Checksums
 from foggy_synscapes.io.files import LARGEST, check_name, check_plain, named
+from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.stamps import CACHE, Stamps
-from foggy_synscapes.io.tables import read_csv, write_csv
+from foggy_synscapes.io.tables import csv_text, read_csv, write_csv
 
 COLUMNS = ("path", "size", "sha256")
 
@@ -44,6 +45,15 @@ def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checks
         If a file is missing, is not a plain file of at most 512 MiB, lies outside the root (through `..` or a link), or
         is not as `checksums` say.
     """
+    write_csv(index, COLUMNS, _rows(index, root, paths, checksums))
+
+
+def index_digest(index: Path, root: Path, paths: Iterable[str]) -> str:
+    """SHA-256 of the index that `write_index` would write of the files as they are now; it raises the same errors."""
+    return sha256_bytes(csv_text(COLUMNS, _rows(index, root, paths, None)).encode())
+
+
+def _rows(index: Path, root: Path, paths: Iterable[str], checksums: Checksums | None) -> list[tuple[str, int, str]]:
     name, stamps, rows = f"{index.parent.name}/{index.stem}", _stamps_of(index), []
     inside = root.resolve()
     for path in progress(sorted(paths), f"index {name}", unit="file"):
@@ -59,8 +69,8 @@ def write_index(index: Path, root: Path, paths: Iterable[str], checksums: Checks
         if checksums is not None and digest != (wanted := checksums.of(file)):
             raise FoggyError(f"{file}: its sha256 is {digest[:12]}..., but {checksums.path} has {wanted[:12]}...")
         rows.append((path, file.stat().st_size, digest))
-    write_csv(index, COLUMNS, rows)
     stamps.save()
+    return rows
 
 
 def changed_since_listed(index: Path, root: Path) -> list[str]:

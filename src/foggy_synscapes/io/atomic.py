@@ -9,6 +9,9 @@ from typing import IO
 
 from foggy_synscapes.errors import FoggyError
 
+_written: dict[str, list[int]] = {}
+"""Size, times of modification and of change in ns, and inode of the files that this process wrote, as it left them."""
+
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[IO[bytes]]:
@@ -34,7 +37,10 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        os.replace(temporary, path)
+            # Renaming sets the time of change anew, to be asked for afterwards.
+            os.replace(temporary, path)
+            status = os.fstat(file.fileno())
+        _written[os.path.abspath(path)] = [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
         temporary = None
         _sync_folder(path.parent)
     except OSError as error:
@@ -44,6 +50,18 @@ def replacing(path: str | Path) -> Iterator[IO[bytes]]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def altered(path: str | Path) -> bool:
+    """Whether somebody changed or removed a file since this process wrote it; False of files that it did not write."""
+    left = _written.get(os.path.abspath(path))
+    if left is None:
+        return False
+    try:
+        now = os.stat(path)
+    except OSError:
+        return True
+    return [now.st_size, now.st_mtime_ns, now.st_ctime_ns, now.st_ino] != left
 
 
 def remove_leftovers(folder: str | Path, of: Collection[str] | None = None) -> None:

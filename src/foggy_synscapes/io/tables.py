@@ -14,12 +14,17 @@ _ADVICE = "It is made by an earlier step: run `snakemake` or `dvc repro`."
 
 
 def write_csv(path: str | Path, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Write a header and rows, comma separated, with plain line feeds; None becomes an empty cell."""
+    """Write a header and rows as `csv_text` gives them."""
+    write_text(path, csv_text(columns, rows))
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A header and rows, comma separated, with plain line feeds; None becomes an empty cell."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
-    write_text(path, buffer.getvalue())
+    return buffer.getvalue()
 
 
 class GrowingTable:

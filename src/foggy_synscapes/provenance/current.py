@@ -14,11 +14,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from foggy_synscapes.datasets.index import changed_since_listed
+from foggy_synscapes.datasets.index import changed_since_listed, index_digest
+from foggy_synscapes.datasets.roots import files_of
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.stamps import Stamps
 from foggy_synscapes.jobs import Each, Job
-from foggy_synscapes.params import Params
+from foggy_synscapes.params import STAND_IN, Params
 from foggy_synscapes.provenance.runs import code_of, read_run, remembered, select, stamps_of, without_folders
 from foggy_synscapes.results import RESULTS, root
 from foggy_synscapes.steps import all_jobs
@@ -145,7 +146,7 @@ class Current:
         for what, before, now in changes:
             if before != now:
                 return f"{what} changed{_difference(before, now)}"
-        return self._changed_input(node, record["inputs"])
+        return self._changed_input(node, record["inputs"]) or _changed_listing(node)
 
     def _changed_input(self, node: Node, recorded: dict[str, str]) -> str:
         for path, digest in recorded.items():
@@ -200,6 +201,28 @@ def changed_raw_data(job: Job) -> list[Path]:
     """Files of a dataset that are not as the job which lists them found them."""
     folder = root(job.params, job.command[-1])
     return [folder / path for index in job.outputs("index") for path in changed_since_listed(index, folder)]
+
+
+def _changed_listing(node: Node) -> str:
+    """Why the job that lists a real dataset would list something else, where its index cannot tell; else empty.
+
+    No record states raw files, so only the index as it was listed says what they were: where it is missing or altered,
+    they are listed again to see.
+    """
+    job = node.job
+    if job.step.word != "scenes" or job.params.scenes.roots[job.command[-1]] == STAND_IN:
+        return ""
+    recorded, folder = node.record["outputs"] if node.record else {}, root(job.params, job.command[-1])
+    for index in job.outputs("index"):
+        digest = recorded.get(index.as_posix(), "")
+        try:
+            if node.stamps.state(index, digest) != "unchanged":
+                paths = files_of(job.command[-1], folder, job.params.scenes, index.stem)
+                if index_digest(index, folder, paths) != digest:
+                    return "its raw files changed"
+        except FoggyError as error:
+            return str(error)
+    return ""
 
 
 def _node(job: Job) -> Node:

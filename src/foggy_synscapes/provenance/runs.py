@@ -15,7 +15,7 @@ from typing import Any
 
 from foggy_synscapes import __version__
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.atomic import write_bytes, write_text
+from foggy_synscapes.io.atomic import altered, write_bytes, write_text
 from foggy_synscapes.io.files import check_name, read_json
 from foggy_synscapes.io.hashing import sha256, sha256_bytes
 from foggy_synscapes.io.stamps import CACHE, Stamps, stamp
@@ -100,10 +100,18 @@ class Run:
                     f"{name}: was changed while {' '.join(self.job.command)} read it. What came of it has no run "
                     "record and is made again: run the same command."
                 )
-        stamps = stamps_of(self.job)
+        stamps, outputs = stamps_of(self.job), sorted(self.job.outputs())
+        digests = {path.as_posix(): stamps.take(path) for path in outputs}
+        # After they were read: what is altered before that is none of this job's, and after that does not match.
+        changed = [path for path in outputs if altered(path)]
+        if changed:
+            raise FoggyError(
+                f"{changed[0]}: was changed by something else while {' '.join(self.job.command)} ran. It has no run "
+                "record and is made again: run the same command."
+            )
         record = self.identity() | {
             "command": self.job.command,
-            "outputs": {path.as_posix(): stamps.take(path) for path in sorted(self.job.outputs())},
+            "outputs": digests,
             "instructions": instructions(),
             "processes": processes,
             **({"gpu": gpu()} if device == "cuda" else {}),

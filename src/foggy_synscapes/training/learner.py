@@ -81,6 +81,8 @@ class Learner:
             self._parallel = DistributedDataParallel(Outputs(self.network), forward_sync_buffers=False)
             self._outputs = self._parallel
         if self.arithmetic.compile:
+            # PyTorch's compiler has a setting of its own for repeatable algorithms, which follows this call alone.
+            torch.use_deterministic_algorithms(torch.are_deterministic_algorithms_enabled())
             self._outputs = torch.compile(self._parallel or Outputs(self.network))
 
     def forward(
