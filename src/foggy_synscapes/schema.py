@@ -8,7 +8,7 @@ from decimal import Decimal
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 
@@ -22,6 +22,20 @@ class Section(BaseModel):
     """Whether it is written on one line where it fits there."""
     whole: ClassVar[bool] = False
     """Whether an overlay that states it replaces all of it, because its keys stand for each other."""
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _of_its_own_kind(cls, value: Any, info: ValidationInfo) -> Any:
+        """YAML tells numbers, texts and truth values apart; pydantic would take "8" for a number and 1 for true."""
+        annotation = cls.model_fields[info.field_name or ""].annotation
+        kinds = {annotation, *get_args(annotation)}
+        if kinds & {int, float} and str not in kinds and isinstance(value, bool | str):
+            raise ValueError(f"should be a number, without quotes, and with a point where it has an exponent (1.0e-3); got {value!r}")
+        if int in kinds and float not in kinds and isinstance(value, float):
+            raise ValueError(f"should be a whole number, written without a point; got {value!r}")
+        if bool in kinds and not isinstance(value, bool) and not (value is None and type(None) in kinds):
+            raise ValueError(f"should be true or false; got {value!r}")
+        return value
 
 
 @dataclass(frozen=True)

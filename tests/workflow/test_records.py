@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from engines import ran, run
+from engines import VERBOSE, ran, run
 
 from foggy_synscapes.params import Params
 from foggy_synscapes.provenance.runs import leaves, read_runs, select
@@ -96,13 +96,13 @@ def test_scores_that_someone_altered_are_made_again_and_in_between_no_table_is_m
     assert result.returncode == 1
     assert f"{metrics.relative_to(folder)}: is not what its step wrote" in result.stderr
     assert "Make it again: foggy evaluate --network bisenet --row C --seed 0 --test-set foggy_zurich" in result.stderr
-    told = run(folder, "snakemake", "--cores", "1", "--configfile", "params/smoke.yaml")
+    told = run(folder, "snakemake", "--cores", "1", *VERBOSE, "--configfile", "params/smoke.yaml")
     assert ran(told) == {"evaluate bisenet C 0 foggy_zurich"}
     assert metrics.read_bytes() == made
     metrics.write_text(json.dumps(scores))
     table = folder / "results/tables/foggy_zurich.csv"
     table.unlink()
-    told = run(folder, "snakemake", "--cores", "2", "--configfile", "params/smoke.yaml")
+    told = run(folder, "snakemake", "--cores", "2", *VERBOSE, "--configfile", "params/smoke.yaml")
     assert ran(told) == {"evaluate bisenet C 0 foggy_zurich", "tables foggy_zurich"}  # the table waits for the scores
     assert metrics.read_bytes() == made
     assert table.read_bytes() == (snakemake / table.relative_to(folder)).read_bytes()
