@@ -9,7 +9,7 @@ MINUTES ?= 60
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -45,6 +45,10 @@ reads: $(READY)
 # Whether clean runs give the same bytes on other cores, in other folders, time zones and languages.
 same-bytes: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/same_bytes.py
+
+# Which environment variables change bytes, and whether the run record says so.
+variables: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/variables.py
 
 # Files that are wrong in every way, given to every reader: INPUTS of them, with counts of what became of them.
 fuzz: $(READY)
