@@ -67,8 +67,9 @@ def main(arguments: list[str] | None = None) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        # What has no --out writes to results/, where the engines do.
-        held = lock.join() if word in PIPELINE and getattr(options, "out", None) is None else None
+        # What has no --out writes to results/, where the engines do; but scores of anyone's predictions are printed.
+        to_results = getattr(options, "out", None) is None and getattr(options, "predictions", None) is None
+        held = lock.join() if word in PIPELINE and to_results else None
         stage.run(options)
         if held is not None:
             held.close()

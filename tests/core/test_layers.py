@@ -9,6 +9,7 @@ PACKAGE = "foggy_synscapes"
 ORDER = (
     "errors",
     "labels",
+    "betas",
     "camera",
     "jit",
     "io",

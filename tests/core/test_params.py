@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from foggy_synscapes import params
+from foggy_synscapes.betas import beta_name
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.schema import beta_name
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from foggy_synscapes import __version__
+from foggy_synscapes.betas import beta_name
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
@@ -20,7 +21,6 @@ from foggy_synscapes.io.checksums import Checksums
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.schema import beta_name
 
 COLUMNS = ("id", "red", "green", "blue", "row", "column")
 SHOWN = 10  # errors and warnings printed in full
