@@ -40,6 +40,14 @@ TOOLS = {
     "weights": "import public weights to start from or to score",
 }
 
+EXTRAS = {
+    "train": ("torch", "safetensors"),
+    "export": ("onnx", "onnxruntime", "onnxscript"),
+    "matlab": ("h5py",),
+    "crate": ("rocrate",),
+}
+"""Packages beyond fog and scores by the extra that brings them; all others come with `experiment`."""
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command line; return 0 for good, 1 where the work failed, 2 where the call was wrong."""
@@ -55,7 +63,10 @@ def main(arguments: list[str] | None = None) -> int:
     if word not in words:
         return _fail(f"no such command; there are {', '.join(words)}. Try `foggy --help`.", word, 2)
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files; that of a notebook or another machine may not exist here
-    stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
+    try:
+        stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
+    except ModuleNotFoundError as error:
+        return _fail(_not_installed(error), word)
     parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
     parser.add_argument(
         "--params", type=Path, default=Path("params.yaml"), metavar="FILE", help="params file (default: params.yaml)"
@@ -80,11 +91,24 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         return _fail("interrupted; what is finished is kept, run the same command to go on", word)
+    except ModuleNotFoundError as error:
+        if options.debug:
+            raise
+        return _fail(_not_installed(error), word)
     except (FoggyError, MemoryError, *UNFORESEEN, OSError) as error:
         if options.debug:
             raise
         return _fail(_message(error), word, 2 if isinstance(error, UsageError) else 1)
     return 0
+
+
+def _not_installed(error: ModuleNotFoundError) -> str:
+    """Which extra brings a package that is missing: the bare installation has fog and scores alone."""
+    package = (error.name or str(error)).partition(".")[0]
+    if package == "foggy_synscapes":
+        return f"{error}. The installation is not whole: install it again."
+    extra = next((extra for extra, packages in EXTRAS.items() if package in packages), "experiment")
+    return f"needs {package}, which is not installed. Install it: pip install 'foggy-synscapes[{extra}]'"
 
 
 def _message(error: Exception) -> str:

@@ -28,6 +28,7 @@ ORDER = (
     "params",
     "results",
     "frames",
+    "api",
     "tables",
     "tradeoff",
     "jobs",

@@ -1,9 +1,11 @@
-"""Scores of anyone's predictions: of a folder beside label maps, or of a test set's images."""
+"""Scores of anyone's predictions: of a folder beside label maps, of a test set's images, or of arrays."""
 
 import os
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from foggy_synscapes.datasets import DATASETS
 from foggy_synscapes.datasets.predictions import count_pairs, count_paths, find_pairs, find_predictions
@@ -11,7 +13,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.pairing import pair
-from foggy_synscapes.scoring.tally import Tally
+from foggy_synscapes.scoring.tally import ASK, Tally
 
 
 def of_folders(
@@ -75,6 +77,29 @@ def of_test_set(
     return summary(count_paths(paths, jobs), "labelIds", predictions_encoding, where)
 
 
+def of_arrays(
+    predictions: Any, labels: Any, predictions_encoding: str | None = None, labels_encoding: str | None = None
+) -> dict[str, Any]:
+    """Scores of arrays of ids: integers 0 to 255, (H, W), several of them, or (N, H, W).
+
+    Raises ValueError if they are no ids, differ in number or size, the encoding is open or contradicted, or nothing is
+    labelled.
+    """
+    sides = _maps(labels, "labels"), _maps(predictions, "predictions")
+    if len(sides[0]) != len(sides[1]):
+        raise ValueError(f"labels, predictions: {len(sides[0])} and {len(sides[1])} maps, expected as many of each")
+    tally = Tally()
+    for number, (known, found) in enumerate(zip(*sides, strict=True)):
+        if known.shape != found.shape:
+            raise ValueError(f"predictions[{number}]: {found.shape}, but its label map has {known.shape} (H, W)")
+        tally.add(known, found, f"labels[{number}]", f"predictions[{number}]")
+    try:
+        return summary(tally, labels_encoding, predictions_encoding, "arrays")
+    except FoggyError as error:
+        told = str(error).replace(ASK, "Say which: encoding='trainIds' or encoding='labelIds'.")
+        raise ValueError(told.removesuffix(" (arrays)")) from error
+
+
 def summary(
     tally: Tally,
     labels_asked: str | None,
@@ -114,6 +139,23 @@ def by_class(scores: Mapping[str, Any]) -> str:
     """
     texts = ((each["name"], "--" if each["iou"] is None else f"{each['iou']:.2f}") for each in scores["classes"])
     return "\n".join(f"{name:<14}{text:>6}" for name, text in texts)
+
+
+def _maps(values: Any, name: str) -> list[np.ndarray]:
+    """Maps of ids, uint8 (H, W) each; ValueError where they are anything else."""
+    many = (
+        [values] if np.ndim(values) == 2 else [*values] if np.ndim(values) == 3 or not hasattr(values, "ndim") else []
+    )
+    maps = []
+    for number, each in enumerate(map(np.asarray, many)):
+        if each.ndim != 2 or each.dtype.kind not in "iu" or each.size == 0:
+            raise ValueError(f"{name}[{number}]: {each.dtype} {each.shape}, expected integer ids (H, W)")
+        if each.min() < 0 or each.max() > 255:
+            raise ValueError(f"{name}[{number}]: ids from {each.min()} to {each.max()}, expected 0 to 255")
+        maps.append(np.ascontiguousarray(each, np.uint8))
+    if not maps:
+        raise ValueError(f"{name}: shape {np.shape(values)}, expected ids (H, W), several of them, or (N, H, W)")
+    return maps
 
 
 class _Content(Mapping[str, str]):

@@ -22,11 +22,9 @@ from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.provenance import source_digest
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # only jobs of the pipeline know params, which are imported with their libraries where they are used
     from foggy_synscapes.jobs import Job
     from foggy_synscapes.params import Params
-
-# Imported where they are used: what knows the params, which fog on one's own frames does without, and its libraries.
 
 HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
 COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
