@@ -91,7 +91,10 @@ def measure(door: str, wheel: Path, folder: Path, torch: str | None, wrong: list
     installed = pip(python, "install", *index, f"foggy-synscapes{extra} @ {wheel.as_uri()}")
     if installed.returncode:
         return no_index(installed.stderr)
-    names = {canonical(each["name"]) for each in json.loads(pip(python, "list", "--format", "json").stdout)} - OWN
+    listed = subprocess.run(
+        [python, "-m", "pip", "list", "--format", "json"], capture_output=True, text=True, check=True
+    )
+    names = {canonical(each["name"]) for each in json.loads(listed.stdout)} - OWN
     # setuptools comes with the environment of some Pythons, and then is no package of the door.
     names -= {"setuptools"} - set(held()[door])
     size = sum(path.lstat().st_size for path in folder.glob("lib/*/site-packages/**/*") if not is_pips(path, folder))
