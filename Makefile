@@ -143,5 +143,11 @@ lock: $(READY)
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
 
+# Trainings took days: where there are any, `make clean` says so and leaves them, unless SURE=yes.
 clean:
+	@models=$$(find results/train -name model.safetensors 2> /dev/null | wc -l); \
+	if [ $$models -gt 0 ] && [ "$(SURE)" != yes ]; then \
+		echo "results/ holds $$models trained models, in $$(du -sh results | cut -f 1). To remove them too: make clean SURE=yes" >&2; \
+		exit 1; \
+	fi
 	rm -rf results .snakemake

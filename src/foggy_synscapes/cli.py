@@ -1,13 +1,10 @@
 """The command `foggy`: finds the word, lets its stage parse the rest, and turns errors into one message."""
 
-import argparse
-import importlib
 import os
 import sys
 import textwrap
-from pathlib import Path
 
-from foggy_synscapes import __version__
+from foggy_synscapes import __version__, commands
 from foggy_synscapes.errors import UNFORESEEN, FoggyError, UsageError
 from foggy_synscapes.io import lock
 
@@ -26,6 +23,7 @@ PIPELINE = {
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
     "clean": "list and remove results that the params do not ask for any more",
+    "completion": "print what lets a shell complete these commands and their options",
     "code": "write what counts of the code of each job, for DVC",
     "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
@@ -64,15 +62,9 @@ def main(arguments: list[str] | None = None) -> int:
         return _fail(f"no such command; there are {', '.join(words)}. Try `foggy --help`.", word, 2)
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files; that of a notebook or another machine may not exist here
     try:
-        stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
+        stage, parser = commands.parser_of(word)
     except ModuleNotFoundError as error:
         return _fail(_not_installed(error), word)
-    parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
-    parser.add_argument(
-        "--params", type=Path, default=Path("params.yaml"), metavar="FILE", help="params file (default: params.yaml)"
-    )
-    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    stage.arguments(parser)
     try:
         options = parser.parse_args(arguments[1:])
     except SystemExit as stop:

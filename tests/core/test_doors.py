@@ -126,7 +126,7 @@ def test_a_command_that_needs_more_says_what_to_install(word: str, tmp_path: Pat
     def missing(name: str) -> None:
         raise ModuleNotFoundError("No module named 'pydantic'", name="pydantic")
 
-    monkeypatch.setattr(cli.importlib, "import_module", missing)
+    monkeypatch.setattr(cli.commands.importlib, "import_module", missing)
     assert cli.main([word, "--help"]) == 1
     assert (
         "needs pydantic, which is not installed. Install it: pip install 'foggy-synscapes[" in capsys.readouterr().err

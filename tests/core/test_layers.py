@@ -38,6 +38,7 @@ ORDER = (
     "steps",
     "planning",
     "provenance",
+    "commands",
     "stages",
     "cli",
     "__main__",

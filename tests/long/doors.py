@@ -11,6 +11,7 @@ and scores are then computed on generated frames in an empty folder, by the comm
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -47,13 +48,13 @@ camera = dict(fx=100.0, fy=100.0, u0=45.0, v0=30.0, resx=90, resy=60)
 Path("camera.json").write_text(json.dumps({"camera": {"intrinsic": camera}}))
 paths = ["--rgb", "rgb", "--depth", "depth", "--camera", "camera.json", "--out", "out"]
 subprocess.run([foggy, "fog", *paths, "--beta", "0.01"], check=True)
-subprocess.run([foggy, "evaluate", "--predictions", "predictions", "--labels", "labels"], check=True)
+subprocess.run([foggy, "evaluate", "--predictions", "predictions", "--labels", "labels", "--encoding", "trainIds"], check=True)
 refused = subprocess.run([foggy, "networks"], capture_output=True, text=True, check=False)
 assert refused.returncode == 1 and "pip install 'foggy-synscapes[" in refused.stderr, refused.stderr
 written = read_rgb(Path("out/beta_0.01/foggy_img/street_beta_0.01.png"))
 made = foggy_synscapes.fog("rgb/street.png", "depth/street.exr", beta=0.01, camera=foggy_synscapes.Camera(**camera))
 assert np.array_equal(made, written)
-assert foggy_synscapes.score("predictions", "labels")["mean_iou"]["annotated"] == 100.0
+assert foggy_synscapes.score("predictions", "labels", encoding="trainIds")["mean_iou"]["annotated"] == 100.0
 """
 
 
@@ -68,7 +69,7 @@ def main() -> int:
         parser.error(f"{sorted(unknown)[0]}: there are {', '.join(held())}")
     with tempfile.TemporaryDirectory(prefix="foggy doors ") as place:
         folder = Path(place)
-        built = pip(sys.executable, "wheel", "--no-deps", "--wheel-dir", str(folder), str(ROOT))
+        built = pip(sys.executable, "wheel", "--no-deps", "--wheel-dir", str(folder), str(source(folder / "source")))
         if built.returncode:
             return no_index(built.stderr)
         (wheel,) = folder.glob("*.whl")
@@ -80,6 +81,15 @@ def main() -> int:
                 return status
     print("\n".join(wrong) or "doors: each installs what it is held to")
     return 1 if wrong else 0
+
+
+def source(folder: Path) -> Path:
+    """A copy of what the wheel is built of: the build leaves files beside it, which a later one would take in."""
+    leave = shutil.ignore_patterns("__pycache__", "*.egg-info")
+    shutil.copytree(ROOT / "src", folder / "src", ignore=leave)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, folder)
+    return folder
 
 
 def measure(door: str, wheel: Path, folder: Path, torch: str | None, wrong: list[str]) -> int:
