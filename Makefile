@@ -12,7 +12,7 @@ BIN := .venv/bin
 TORCH ?=
 READY := .venv/.ready$(if $(TORCH),-$(TORCH))
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate doors promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful crate doors notebook promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -60,6 +60,10 @@ faults: $(READY)
 # Whether the exported lineage of a table passes what its profile requires (roc-validator, in an environment of its own).
 crate: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/crate.py
+
+# The example notebook, run anew and written with what its cells print and draw.
+notebook: $(READY)
+	@$(BIN)/python examples/make_notebook.py
 
 # What each way of installing brings, and whether the wheel works in an empty folder (DOORS="bare train" for these alone).
 doors: $(READY)

@@ -48,7 +48,8 @@ camera = dict(fx=100.0, fy=100.0, u0=45.0, v0=30.0, resx=90, resy=60)
 Path("camera.json").write_text(json.dumps({"camera": {"intrinsic": camera}}))
 paths = ["--rgb", "rgb", "--depth", "depth", "--camera", "camera.json", "--out", "out"]
 subprocess.run([foggy, "fog", *paths, "--beta", "0.01"], check=True)
-subprocess.run([foggy, "evaluate", "--predictions", "predictions", "--labels", "labels", "--encoding", "trainIds"], check=True)
+folders = ["--predictions", "predictions", "--labels", "labels", "--encoding", "trainIds"]
+subprocess.run([foggy, "evaluate", *folders], check=True)
 refused = subprocess.run([foggy, "networks"], capture_output=True, text=True, check=False)
 assert refused.returncode == 1 and "pip install 'foggy-synscapes[" in refused.stderr, refused.stderr
 written = read_rgb(Path("out/beta_0.01/foggy_img/street_beta_0.01.png"))

@@ -232,7 +232,7 @@ def raw_data_in_words(job: Job, changed: Sequence[Path], option: str = "") -> st
     """
     name = job.command[-1]
     folder = root(job.params, name)
-    if not folder.is_dir():
+    if job.params.scenes.roots[name] != STAND_IN and not folder.is_dir():
         state = "is no folder" if folder.exists() else "does not exist"
         return (
             f"scenes.roots.{name}: {folder} {state}, though its files were listed before. Give the dataset's "
