@@ -78,6 +78,14 @@ def test_doors_lie_in_one_another() -> None:
     assert not extras["experiment"] & {*PROJECT["dependencies"]}
 
 
+def test_the_page_on_installing_has_the_counts() -> None:
+    lines = (doors.ROOT / "docs/install.md").read_text().splitlines()
+    for door, packages in doors.held().items():
+        call = "`pip install foggy-synscapes`" if door == doors.BARE else f"`pip install 'foggy-synscapes[{door}]'`"
+        (line,) = [line for line in lines if line.startswith(f"| {call} |")]
+        assert line.split("|")[3].strip() == str(len(packages))
+
+
 def test_the_lock_file_holds_every_door() -> None:
     """`make` installs from it, whatever a door is called."""
     locked = re.findall(r"^([a-z0-9_.-]+)==", (doors.ROOT / "requirements.lock").read_text(), re.MULTILINE)
