@@ -1,5 +1,7 @@
 # `make` sets up and runs the main job; `make test` sets up and runs the tests.
 # Needs Python 3.11 or newer, make, a C compiler and pip; everything else comes from requirements.lock into .venv.
+# TORCH chooses PyTorch's build: `make TORCH=cpu`, `make TORCH=cu130` (CUDA 13.0), as download.pytorch.org/whl has them;
+# without it pip's own index decides, where PyPI has the build with CUDA for Linux. docs/install.md says more.
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CORES ?= 2
@@ -7,9 +9,10 @@ KILLS ?= 50
 INPUTS ?= 5000
 MINUTES ?= 60
 BIN := .venv/bin
-READY := .venv/.ready
+TORCH ?=
+READY := .venv/.ready$(if $(TORCH),-$(TORCH))
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -61,6 +64,14 @@ faults: $(READY)
 # Whether the exported lineage of a table passes what its profile requires (roc-validator, in an environment of its own).
 crate: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/long/crate.py
+
+# The example notebook, run anew and written with what its cells print and draw.
+notebook: $(READY)
+	@$(BIN)/python examples/make_notebook.py
+
+# What each way of installing brings, and whether the wheel works in an empty folder (DOORS="bare train" for these alone).
+doors: $(READY)
+	@$(BIN)/python tests/long/doors.py $(DOORS) $(if $(TORCH),--torch $(TORCH))
 
 test: $(READY)
 	@echo "== The tests: pytest"
@@ -126,6 +137,8 @@ $(READY): requirements.lock pyproject.toml
 	@echo "== Set-up: .venv from requirements.lock ($(PYTHON)); about two minutes"
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.11")'
 	@$(PYTHON) -m venv .venv
+	@$(if $(TORCH),$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--extra-index-url https://download.pytorch.org/whl/$(TORCH) "$$(sed -n '/^torch==/p' requirements.lock)+$(TORCH)")
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $(READY)
@@ -134,9 +147,15 @@ $(READY): requirements.lock pyproject.toml
 # because its CPU and CUDA builds share a version.
 lock: $(READY)
 	@$(BIN)/python -m pip install --quiet pip-tools
-	@$(BIN)/pip-compile --quiet --upgrade --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
+	@$(BIN)/pip-compile --quiet --upgrade --extra experiment --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
 
+# Trainings took days: where there are any, `make clean` says so and leaves them, unless SURE=yes.
 clean:
+	@models=$$(find results/train -name model.safetensors 2> /dev/null | wc -l); \
+	if [ $$models -gt 0 ] && [ "$(SURE)" != yes ]; then \
+		echo "results/ holds $$models trained models, in $$(du -sh results | cut -f 1). To remove them too: make clean SURE=yes" >&2; \
+		exit 1; \
+	fi
 	rm -rf results .snakemake

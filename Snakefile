@@ -24,7 +24,11 @@ from foggy_synscapes.io.plain_yaml import read_yaml
 from foggy_synscapes.io.reasons import reasons
 from foggy_synscapes.jobs import Job, at
 from foggy_synscapes.planning import asked
-from foggy_synscapes.provenance.current import changed_raw_data, out_of_date
+from foggy_synscapes.provenance.current import (
+    changed_raw_data,
+    out_of_date,
+    raw_data_in_words,
+)
 from foggy_synscapes.provenance.runs import PLANNED, params_digest, select
 
 min_version("9.27")
@@ -75,10 +79,7 @@ def check_raw_data():
         job = Job(step, PARAMS, {})
         changed = changed_raw_data(job)
         if changed:
-            raise WorkflowError(
-                f"{len(changed)} files are not as they were listed, first {changed[0]}. Run "
-                f"`{' '.join(job.command)}{PARAMS_OPTION}`, then this again: only what the change reaches is made anew."
-            )
+            raise WorkflowError(raw_data_in_words(job, changed, PARAMS_OPTION))
 
 
 @cache

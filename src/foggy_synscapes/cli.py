@@ -1,13 +1,10 @@
 """The command `foggy`: finds the word, lets its stage parse the rest, and turns errors into one message."""
 
-import argparse
-import importlib
 import os
 import sys
 import textwrap
-from pathlib import Path
 
-from foggy_synscapes import __version__
+from foggy_synscapes import __version__, commands
 from foggy_synscapes.errors import UNFORESEEN, FoggyError, UsageError
 from foggy_synscapes.io import lock
 
@@ -26,6 +23,7 @@ PIPELINE = {
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
     "clean": "list and remove results that the params do not ask for any more",
+    "completion": "print what lets a shell complete these commands and their options",
     "code": "write what counts of the code of each job, for DVC",
     "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
@@ -39,6 +37,14 @@ TOOLS = {
     "verify": "hash results again and compare with their run records",
     "weights": "import public weights to start from or to score",
 }
+
+EXTRAS = {
+    "train": ("torch", "safetensors"),
+    "export": ("onnx", "onnxruntime", "onnxscript"),
+    "matlab": ("h5py",),
+    "crate": ("rocrate",),
+}
+"""Packages beyond fog and scores by the extra that brings them; all others come with `experiment`."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -55,20 +61,18 @@ def main(arguments: list[str] | None = None) -> int:
     if word not in words:
         return _fail(f"no such command; there are {', '.join(words)}. Try `foggy --help`.", word, 2)
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files; that of a notebook or another machine may not exist here
-    stage = importlib.import_module(f"foggy_synscapes.stages.{word}")
-    parser = argparse.ArgumentParser(prog=f"foggy {word}", description=stage.HELP)
-    parser.add_argument(
-        "--params", type=Path, default=Path("params.yaml"), metavar="FILE", help="params file (default: params.yaml)"
-    )
-    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    stage.arguments(parser)
+    try:
+        stage, parser = commands.parser_of(word)
+    except ModuleNotFoundError as error:
+        return _fail(_not_installed(error), word)
     try:
         options = parser.parse_args(arguments[1:])
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        # What has no --out writes to results/, where the engines do.
-        held = lock.join() if word in PIPELINE and getattr(options, "out", None) is None else None
+        # What has no --out writes to results/, where the engines do; but scores of anyone's predictions are printed.
+        to_results = getattr(options, "out", None) is None and getattr(options, "predictions", None) is None
+        held = lock.join() if word in PIPELINE and to_results else None
         stage.run(options)
         if held is not None:
             held.close()
@@ -79,11 +83,24 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         return _fail("interrupted; what is finished is kept, run the same command to go on", word)
+    except ModuleNotFoundError as error:
+        if options.debug:
+            raise
+        return _fail(_not_installed(error), word)
     except (FoggyError, MemoryError, *UNFORESEEN, OSError) as error:
         if options.debug:
             raise
         return _fail(_message(error), word, 2 if isinstance(error, UsageError) else 1)
     return 0
+
+
+def _not_installed(error: ModuleNotFoundError) -> str:
+    """Which extra brings a package that is missing: the bare installation has fog and scores alone."""
+    package = (error.name or str(error)).partition(".")[0]
+    if package == "foggy_synscapes":
+        return f"{error}. The installation is not whole: install it again."
+    extra = next((extra for extra, packages in EXTRAS.items() if package in packages), "experiment")
+    return f"needs {package}, which is not installed. Install it: pip install 'foggy-synscapes[{extra}]'"
 
 
 def _message(error: Exception) -> str:

@@ -4,10 +4,12 @@ Machine code is kept until the file of its function changes. After an edit here,
 """
 
 import platform
+import sys
 from collections.abc import Callable
 
 import llvmlite.binding
 import numba
+from numba.core import event
 
 # LLVM takes half of the vector registers of some processors, whose clock sank under wide vectors. On a processor with
 # AVX-512, fog takes a sixth less time with the whole registers; what is computed is the same at any width.
@@ -16,6 +18,24 @@ if numba.config.CPU_FEATURES is None and platform.machine() == "x86_64":
 
 # The loops hold instructions that only a compiler understands: switched off for the debugger, nothing would run.
 numba.config.DISABLE_JIT = 0
+
+
+class _Told(event.Listener):
+    """Says once that loops are compiled: it takes half a minute the first time, which would pass in silence."""
+
+    said = False
+
+    def on_start(self, event: object) -> None:
+        """A function is compiled, for which there is no machine code yet."""
+        if not self.said:
+            print("compiling for this processor, once: about half a minute", file=sys.stderr, flush=True)
+            self.said = True
+
+    def on_end(self, event: object) -> None:
+        """It was compiled."""
+
+
+event.register("numba:compile", _Told())
 
 
 def jit(function: Callable) -> Callable:

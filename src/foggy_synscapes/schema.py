@@ -4,13 +4,14 @@ From here come the comments of a resolved params file, the JSON Schema and docs/
 """
 
 from dataclasses import dataclass
-from decimal import Decimal
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
+
+from foggy_synscapes.betas import beta_name
 
 
 class Section(BaseModel):
@@ -127,25 +128,6 @@ def sections(annotation: Any) -> list[type[Section]]:
 
 
 Count = Annotated[int, Field(ge=1)]
-
-
-def beta_name(text: str) -> str:
-    """Spell an attenuation coefficient in 1/m the way folders spell it: shortest decimal, no exponent.
-
-    >>> beta_name("0.010")
-    '0.01'
-
-    Raises ValueError unless it is a finite number above 0.
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        raise ValueError(
-            f"beta {text!r} is not a number; it is the attenuation coefficient in 1/m, e.g. 0.005"
-        ) from None
-    if not 0 < value < float("inf"):
-        raise ValueError(f"beta {text} is not a positive finite number in 1/m, e.g. 0.005")
-    return f"{Decimal(repr(value)):f}"
 
 
 def _canonical_beta(text: str) -> str:

@@ -9,6 +9,7 @@ PACKAGE = "foggy_synscapes"
 ORDER = (
     "errors",
     "labels",
+    "betas",
     "camera",
     "jit",
     "io",
@@ -27,6 +28,7 @@ ORDER = (
     "params",
     "results",
     "frames",
+    "api",
     "tables",
     "tradeoff",
     "jobs",
@@ -36,6 +38,7 @@ ORDER = (
     "steps",
     "planning",
     "provenance",
+    "commands",
     "stages",
     "cli",
     "__main__",

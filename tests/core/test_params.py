@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from foggy_synscapes import params
+from foggy_synscapes.betas import beta_name
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.io.plain_yaml import read_yaml
-from foggy_synscapes.schema import beta_name
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -45,7 +45,10 @@ def test_each_shipped_file_is_good(name: str) -> None:
         ("fog.betas", ["0.0050"], "write '0.005', as the folder spells it"),
         ("fog.betas", ["5e-3"], "write '0.005', as the folder spells it"),
         ("fog.betas", ["0.005", "0.005"], "each once"),
-        ("fog.betas", [0.005], "fog.betas.0: "),
+        ("fog.betas", [0.005], 'fog.betas.0: a number; write it in quotes, "0.005"'),
+        ("fog.betas", [1e-5], 'write it in quotes, "0.00001"'),
+        ("train.seeds", [0], 'train.seeds.0: a number; write it in quotes, "0"'),
+        ("train.seeds", [True], "train.seeds.0: Input should be a valid string; got True"),
         ("fog.betas", ["0.02"], "no list in subset uses 0.02"),
         ("fog.geometry", "flat", "fog.geometry"),
         ("fog.frames.first", 10, "the first 600 and the last 60 kept frames"),

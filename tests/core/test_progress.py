@@ -1,5 +1,7 @@
 """What a log says while something long goes on, and what is shown of the log of a job that failed."""
 
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -51,3 +53,24 @@ def test_the_end_of_a_failed_jobs_log_is_shown_and_no_other(tmp_path: Path) -> N
     assert first.endswith("    bar 2\n    foggy train: no such file")
     assert len(first.splitlines()) == LINES + 1
     assert second == f"{cluster}:\n    (says nothing: the job was killed)"
+
+
+def test_the_first_compilation_is_told_once_and_what_is_kept_says_nothing(tmp_path: Path) -> None:
+    (tmp_path / "loops.py").write_text(
+        "from foggy_synscapes.jit import jit\n"
+        "def one(x):\n    return x + 1\n"
+        "def two(x):\n    return x + 2\n"
+        "first, second = jit(one), jit(two)\n"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", "import loops; print(loops.first(1) + loops.second(1))"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        for _ in range(2)
+    ]
+    assert [each.stdout for each in said] == ["5\n", "5\n"]
+    assert [each.stderr.count("compiling for this processor") for each in said] == [1, 0]

@@ -93,6 +93,66 @@ def test_metrics_have_the_form_that_others_rely_on(folders):
     assert np.array(scores["confusion"]).shape == (19, 19)
 
 
+def test_iou_of_each_class_is_printed_and_no_file_is_needed(folders, capsys, monkeypatch):
+    monkeypatch.chdir(folders)
+    assert main(["evaluate", "--predictions", "predictions", "--labels", "labels"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    wanted = [f"{each['name']:<14}{each['iou']:>6.2f}" for each in expected()["classes"]]
+    assert said[-19:] == wanted
+    assert sorted(path.name for path in folders.iterdir()) == ["labels", "predictions"]
+
+
+def driving(root: Path) -> list[tuple[str, str, np.ndarray]]:
+    """Foggy Driving as it unpacks, with other maps beside the labels: image, label map and trainIds of each frame."""
+    found = []
+    for number, (name, coarse) in enumerate((("web/web_a", False), ("public/public_b", True), ("web/web_c", True))):
+        image, label, ids = foggy_driving.image(name, coarse), foggy_driving.labels(name, coarse), random_ids(number)
+        put(root / image, np.zeros((*ids.shape, 3), np.uint8))
+        put(root / label, from_train_ids(ids))
+        put(root / label.replace("labelIds", "color"), np.zeros((*ids.shape, 3), np.uint8))
+        found.append((image, label, ids))
+    for path, column in ((foggy_driving.IMAGES, 0), (foggy_driving.LABELS, 1)):
+        write_text(root / path, "".join(f"{frame[column]}\n" for frame in found))
+    return found
+
+
+@pytest.mark.parametrize("naming", ["as the images", "flat", "as the labels"])
+def test_predictions_on_a_test_set_are_scored_by_its_own_folder(tmp_path, monkeypatch, capsys, naming):
+    """Fine and coarse labels lie apart there, and the images beside them."""
+    monkeypatch.chdir(tmp_path)
+    for number, (image, label, _) in enumerate(driving(tmp_path / "Foggy_Driving")):
+        name = {"as the images": image, "flat": Path(image).name, "as the labels": label}[naming]
+        put(tmp_path / "predictions" / name, random_ids(number + 10, void=False))
+    call = ["evaluate", "--test-set", "foggy_driving", "--labels", "Foggy_Driving", "--predictions", "predictions"]
+    assert main([*call, "--out", "metrics.json"]) == 0
+    scores = json.loads(Path("metrics.json").read_text())
+    assert scores.pop("encoding") == {"labels": "labelIds", "predictions": "trainIds"}
+    assert scores == expected()
+    assert "person" in capsys.readouterr().out
+
+
+def test_a_prediction_that_a_test_set_lacks_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    frames = driving(tmp_path / "Foggy_Driving")
+    for image, _, ids in frames[:2]:
+        put(tmp_path / "predictions" / image, ids)
+    call = ["evaluate", "--test-set", "foggy_driving", "--labels", "Foggy_Driving", "--predictions", "predictions"]
+    assert main(call) == 1
+    said = capsys.readouterr().err
+    assert "1 of 3 images without a prediction: leftImg8bit/test_extra/web/web_c_leftImg8bit.png" in said
+    assert "Foggy Driving has 3 test images" in said
+
+
+def test_a_test_set_of_the_params_needs_no_folder(params, capsys):
+    """Its root and its settings, such as which of two lists, come from the params."""
+    write_text(Path("params.yaml"), json.dumps(params.model_dump(mode="json", by_alias=True)))
+    for number, frame in enumerate((3, 1, 2)):
+        shape = (32 + 7 * number, 48)
+        put(Path("predictions") / f"{frame}.0_frame.png", random_ids(number, shape, void=False))
+    assert main(["evaluate", "--test-set", "foggy_zurich", "--predictions", "predictions"]) == 0
+    assert "3 images, mean IoU 100.00 %" in capsys.readouterr().out
+
+
 def test_number_of_processes_does_not_matter(tmp_path):
     for number in range(30):
         put(tmp_path / f"labels/{number}.png", random_ids(number))
@@ -246,9 +306,14 @@ def test_images_of_another_format_are_an_error(folders, capsys):
         ["--network", "bisenet", "--row", "C", "--seed", "0", "--test-set", "cityscapes", "--labels", "x"],
         ["--predictions", "p", "--labels", "l", "--out", "o", "--jobs", "0"],
         ["--predictions", "p", "--labels", "l", "--out", "o", "--encoding", "colours"],
+        ["--predictions", "p", "--labels", "l", "--network", "bisenet"],
+        ["--predictions", "p", "--test-set", "foggy_driving"],
+        ["--predictions", "p", "--labels", "l", "--test-set", "synscapes"],
+        ["--predictions", "p", "--labels", "l", "--test-set", "foggy_driving", "--labels-encoding", "trainIds"],
     ],
 )
-def test_a_wrong_call_ends_with_status_2(arguments, capsys):
+def test_a_wrong_call_ends_with_status_2(arguments, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert main(["evaluate", *arguments]) == 2
     assert "Traceback" not in capsys.readouterr().err
 

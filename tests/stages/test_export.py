@@ -149,7 +149,12 @@ def export(*options: str) -> int:
 
 def test_the_command_writes_what_it_checked(here: Path, models, capsys) -> None:
     assert export("--model", "m.safetensors", "--out", "m.onnx") == 0
-    assert "bisenet, float32, opset 18, input image, output classes" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert "bisenet, float32, opset 18, input image, output classes" in told.out
+    assert [line for line in told.err.splitlines() if line.startswith("export: ")] == [
+        "export: tracing bisenet ...",
+        "export: comparing with PyTorch on 2 images ...",
+    ]
     rgb = image(40, 60)
     written = Session(Path("m.onnx").read_bytes(), 1)
     np.testing.assert_array_equal(written(rgb, "classes"), eager(models["bisenet"], SCALE, rgb)[1])

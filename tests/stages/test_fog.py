@@ -94,19 +94,19 @@ def test_plain_folders_with_one_camera(tmp_path: Path) -> None:
         (depth / f"{name}.exr").write_bytes(encode_depth(metres))
     paths = ["--rgb", str(rgb), "--depth", str(depth), "--camera", str(tmp_path / "camera.json")]
     assert main(["fog", *paths, "--beta", "0.02", "--out", str(tmp_path / "out")]) == 0
-    assert images(tmp_path / "out") == ["00012_beta_0.02.png", "street_beta_0.02.png"]
+    assert images(tmp_path / "out") == ["12_beta_0.02.png", "street_beta_0.02.png"]
     assert [row["id"] for row in read_csv(tmp_path / "out" / "airlight.csv")] == ["12", "street"]
     # The pixels do not depend on where a frame came from.
     assert fog(write_frames(tmp_path / "synscapes", 2), tmp_path / "other") == 0
     np.testing.assert_array_equal(
-        read_rgb(tmp_path / "out/beta_0.02/foggy_img/00012_beta_0.02.png"),
+        read_rgb(tmp_path / "out/beta_0.02/foggy_img/12_beta_0.02.png"),
         read_rgb(tmp_path / "other/beta_0.02/foggy_img/00002_beta_0.02.png"),
     )
 
 
 def test_two_images_that_would_share_a_file_name_are_refused(tmp_path: Path, capsys) -> None:
-    for name in ("7", "007"):
-        (tmp_path / f"{name}.png").write_bytes(encode_png(content(1)[0]))
+    for name in ("7.png", "7.PNG"):
+        (tmp_path / name).write_bytes(encode_png(content(1)[0]))
     (tmp_path / "camera.json").write_text(camera_json())
     status = main(["fog", "--rgb", str(tmp_path), "--depth", str(tmp_path), "--camera", str(tmp_path / "camera.json"),
                    "--beta", "0.02", "--out", str(tmp_path / "out")])  # fmt: skip

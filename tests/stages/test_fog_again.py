@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 import sys
 import time
@@ -10,12 +11,13 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
-from fog_frames import CAMERA, SIZE, camera_json, content, write_frames
+from fog_frames import CAMERA, SIZE, camera_json, content, write_frame, write_frames
 from PIL import Image
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.cli import main
-from foggy_synscapes.frames import rendering
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.frames import rendering, settings
 from foggy_synscapes.io.images import encode_depth, encode_png, read_rgb
 from foggy_synscapes.io.tables import read_csv
 
@@ -42,7 +44,45 @@ def test_one_frame_by_another_camera_is_refused(root: Path, tmp_path: Path, caps
     other.write_text(camera_json(FAR))
     assert fog(root, tmp_path / "out", "--ids", "1", "--camera", str(one)) == 0
     assert fog(root, tmp_path / "out", "--ids", "1", "--camera", str(other)) == 1
-    assert "camera was one file" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "the file of the camera has other content" in error
+    assert re.search(r"[0-9a-f]{16}", error.partition("settings.json")[2]) is None  # digests tell a reader nothing
+
+
+def test_a_call_that_made_no_image_does_not_bind_the_next_one(root: Path, tmp_path: Path, capsys) -> None:
+    """Depth without a camera in its header, in four calls: none of them made an image until the camera was named."""
+    out = tmp_path / "out"
+    for _ in range(2):
+        assert fog(root, out, "--camera-in-depth") == 1
+        assert "img/depth/1.exr: its header has no camera:zoom" in capsys.readouterr().err
+    assert not (out / "settings.json").exists()
+    (tmp_path / "camera.json").write_text(camera_json())
+    assert fog(root, out, "--geometry", "exact", "--camera", str(tmp_path / "camera.json")) == 0
+    assert json.loads((out / "settings.json").read_text())["geometry"] == "exact"
+    assert fog(root, out, "--camera", str(tmp_path / "camera.json")) == 1
+    assert "geometry was exact, now paper" in capsys.readouterr().err
+
+
+def test_frames_that_were_left_out_bind_the_folder_too(tmp_path: Path, capsys) -> None:
+    """That a frame was left out is known from then on, and would be wrong where it is to be kept."""
+    root, out = tmp_path / "synscapes", tmp_path / "out"
+    write_frame(root, 5)
+    assert fog(root, out, "--blue-airlight", "drop") == 0
+    assert fog(root, out, "--blue-airlight", "keep") == 1
+    assert "blue_airlight was drop, now keep" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_of_two_first_calls_with_other_settings_one_is_refused(root: Path, tmp_path: Path, jobs: str) -> None:
+    """Both looked when there was nothing; who writes the first image decides what the folder holds."""
+    out = tmp_path / "out"
+    for name in ("paper", "exact"):
+        settings.check(out, settings.text({"geometry": name}), "beta_*/*/[!.]*")
+    settings.claim(out, settings.text({"geometry": "exact"}))
+    with pytest.raises(FoggyError, match="geometry was exact, now paper"):
+        settings.claim(out, settings.text({"geometry": "paper"}))
+    assert fog(root, out, "--jobs", jobs) == 1
+    assert not list(out.rglob("*.png"))
 
 
 def test_cameras_of_depth_files_are_not_those_of_meta_files(root: Path, tmp_path: Path, capsys) -> None:
@@ -166,6 +206,14 @@ def test_a_name_that_no_table_can_hold_is_refused_before_any_work(tmp_path: Path
     assert main(call) == 1
     assert "its name is not UTF-8" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_names_with_leading_zeros_stay_so_that_they_pair_with_their_labels(tmp_path: Path) -> None:
+    call = plain(tmp_path, "0000000001.png", encode_png(content(1)[0]))
+    (tmp_path / "depth/a.exr").rename(tmp_path / "depth/0000000001.exr")
+    assert main(call) == 0
+    assert [path.name for path in (tmp_path / "out").rglob("*.png")] == ["0000000001_beta_0.02.png"]
+    assert [row["id"] for row in read_csv(tmp_path / "out/airlight.csv")] == ["0000000001"]
 
 
 def test_padded_names_are_other_files(root: Path, tmp_path: Path, capsys) -> None:

@@ -1,5 +1,6 @@
 """Going from one engine to the other: nothing is made again, and what is stale or altered is not certified."""
 
+import json
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ from pathlib import Path
 from engines import ROOT, complete, hashes, planned, run
 
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.plain_yaml import read_yaml
 
 METRICS = Path("results/evaluate/foggy_zurich/bisenet/C/seed-0/metrics.json")
 
@@ -42,6 +44,30 @@ def test_after_snakemake_dvc_has_nothing_to_do_and_neither_has_snakemake(snakema
     told = run(folder, "snakemake", "--dry-run", "--cores", "1", "--configfile", "params/smoke.yaml")
     assert "Nothing to be done" in told
     assert hashes(folder) == before
+
+
+def test_equal_lists_that_dvc_keeps_as_one_file_do_not_stop_the_next_change_of_params(
+    snakemake: Path, tmp_path: Path
+) -> None:
+    """DVC's cache holds equal files once, and links to it: the time of one then is that of another job's output."""
+    folder = copied(snakemake, tmp_path / "clone")
+    smoke = ("--params", "params/smoke.yaml")
+    run(folder, "dvc", "config", "cache.type", "hardlink")
+    call = [sys.executable, "-m", "foggy_synscapes", "adopt", "--from", "snakemake", *smoke]
+    told = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=True)
+    assert "adopt: dvc commit --force --quiet ..." in told.stderr
+    run(folder, "dvc", "checkout", "--relink")
+    lists = [folder / f"results/subset/{row}/validation.csv" for row in ("FS-24500", "FS-498")]
+    assert len({path.stat().st_ino for path in lists}) == 1
+    for name in ("params.yaml", "params/smoke.yaml"):
+        document = read_yaml(folder / name)
+        document["fog"]["betas"] = ["0.02"]
+        for kind in ("pure", "mixed"):
+            for row in document["subset"][kind].values():
+                row["beta"] = "0.02"
+        (folder / name).unlink()  # may be a link, too
+        write_text(folder / name, json.dumps(document))
+    assert {"fog 0.02 0000", "train bisenet FS-498 0", "tables foggy_zurich"} <= set(planned(folder))
 
 
 def test_what_dvc_made_with_other_params_is_made_anew_and_not_certified(dvc: Path, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.stamps import Stamps, stamp
 from foggy_synscapes.provenance import source_digest
 from foggy_synscapes.provenance.check import verify
-from foggy_synscapes.provenance.current import changed_raw_data, out_of_date
+from foggy_synscapes.provenance.current import changed_raw_data, out_of_date, raw_data_in_words
 from foggy_synscapes.provenance.runs import PLANNED, params_digest, read_run
 from foggy_synscapes.stages.clean import remove, unused
 from foggy_synscapes.standin.drawing import Made
@@ -181,6 +181,18 @@ def test_raw_data_that_is_edited_in_place_is_seen_and_listing_it_mends_it(folder
     tiny_chain.run(first)
     assert changed_raw_data(first) == []
     assert "fog --shard 0000" in stale()
+
+
+def test_a_dataset_that_is_not_mounted_is_no_list_of_changes(folder: Path) -> None:
+    first = job("scenes --dataset synscapes")
+    changed = [Path("raw/a.txt")]
+    told = raw_data_in_words(first, changed, " --params params/smoke.yaml")
+    assert told.startswith("1 files are not as they were listed, first raw/a.txt. Run `")
+    assert "scenes --dataset synscapes --params params/smoke.yaml`" in told
+    os.rename("raw", "unmounted")
+    assert changed_raw_data(first) != []
+    told = raw_data_in_words(first, changed_raw_data(first))
+    assert told.startswith("scenes.roots.synscapes: raw does not exist, though its files were listed before.")
 
 
 def test_raw_data_that_was_copied_or_touched_refreshes_its_stamp_alone(folder: Path) -> None:

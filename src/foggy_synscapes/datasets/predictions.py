@@ -4,7 +4,6 @@ import os
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +66,11 @@ def find_pairs(labels: Path, predictions: Path, wanted: str | None = None) -> Pa
     return Pairs(pairs, kinds.pop(), stated.pop() if len(stated) == 1 else None, len(truth) - len(maps))
 
 
+def find_predictions(folder: Path) -> list[str]:
+    """Paths of all PNG files below a folder of predictions, sorted; FoggyError as `find_pairs` raises it."""
+    return _png_files(folder, "predictions")
+
+
 def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], jobs: int) -> Tally:
     """Count all pairs in `jobs` processes: the result does not depend on their number, nor memory on the images'.
 
@@ -75,26 +79,30 @@ def count_pairs(labels: Path, predictions: Path, pairs: list[tuple[str, str]], j
     FoggyError
         If a file is damaged or no 8-bit grey PNG, or a prediction differs in size from its label map.
     """
+    return count_paths([(labels / label, predictions / prediction) for label, prediction in pairs], jobs)
+
+
+def count_paths(pairs: list[tuple[Path, Path]], jobs: int) -> Tally:
+    """The same of pairs of files, label map and prediction, wherever they lie."""
     tally = Tally()
     batches = [pairs[start : start + BATCH] for start in range(0, len(pairs), BATCH)]
-    count = partial(_count, labels, predictions)
-    parts = in_processes(count, batches, min(jobs, len(batches)), lambda batch: f"{labels / batch[0][0]} and next ones")
+    parts = in_processes(_count, batches, min(jobs, len(batches)), lambda batch: f"{batch[0][0]} and next ones")
     with closing(parts):
         for part in progress(parts, "evaluate", total=len(batches), unit=f"x {BATCH} images"):
             tally.merge(part)
     return tally
 
 
-def _count(labels: Path, predictions: Path, pairs: Iterable[tuple[str, str]]) -> Tally:
+def _count(pairs: Iterable[tuple[Path, Path]]) -> Tally:
     tally = Tally()
     for label, prediction in pairs:
-        truth, guess = read_ids(labels / label), read_ids(predictions / prediction)
+        truth, guess = read_ids(label), read_ids(prediction)
         if truth.shape != guess.shape:
             raise FoggyError(
-                f"{predictions / prediction}: {_size(guess)}, but its label map {labels / label} has {_size(truth)} "
+                f"{prediction}: {_size(guess)}, but its label map {label} has {_size(truth)} "
                 "(rows x columns). Predictions are scored at the size of the labels, never resized."
             )
-        tally.add(truth, guess, label, prediction)
+        tally.add(truth, guess, str(label), str(prediction))
     return tally
 
 

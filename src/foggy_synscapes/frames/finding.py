@@ -15,7 +15,7 @@ class Frame:
     """A frame's files: its id as written in tables and file names, and where image, depth and camera are read.
 
     The camera is a JSON file, or the depth file itself, whose header may hold it; `checksums` are the SHA-256 that its
-    `files` must have, where they are known.
+    `files` must have, where they are known. Where `numbered`, its images are named as the published script names them.
     """
 
     id: str
@@ -23,14 +23,21 @@ class Frame:
     depth: Path
     camera: Path
     checksums: Sequence[str] = ()
+    numbered: bool = False
 
     def files(self) -> tuple[Path, ...]:
         """All files that it is made of: image, depth and camera."""
         return self.rgb, self.depth, self.camera
 
     def name(self, beta: str) -> str:
-        """File name of an image of this frame: numbers get five digits, as the published script writes them."""
-        return synscapes.foggy_name(int(self.id), beta) if self.id.isdecimal() else f"{self.id}_beta_{beta}.png"
+        """File name of an image of this frame: its number in five digits, or else its id as it is.
+
+        >>> Frame("12", Path(), Path(), Path(), numbered=True).name("0.01")
+        '00012_beta_0.01.png'
+        >>> Frame("0000000012", Path(), Path(), Path()).name("0.01")      # so that it pairs with its labels
+        '0000000012_beta_0.01.png'
+        """
+        return synscapes.foggy_name(int(self.id), beta) if self.numbered else f"{self.id}_beta_{beta}.png"
 
 
 def of_synscapes(root: Path, ids: str | None, camera: Path | None, in_depth: bool = False) -> list[Frame]:
@@ -56,7 +63,13 @@ def of_synscapes(root: Path, ids: str | None, camera: Path | None, in_depth: boo
     if not numbers:
         raise FoggyError(f"{folder}: holds no image N.png")
     frames = [
-        Frame(str(n), root / synscapes.rgb(n), root / synscapes.depth(n), camera or root / synscapes.meta(n))
+        Frame(
+            str(n),
+            root / synscapes.rgb(n),
+            root / synscapes.depth(n),
+            camera or root / synscapes.meta(n),
+            numbered=True,
+        )
         for n in numbers
     ]
     return [replace(frame, camera=frame.depth) for frame in frames] if in_depth else frames

@@ -15,7 +15,7 @@ from foggy_synscapes.camera import Camera
 from foggy_synscapes.errors import UNFORESEEN, FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fog.geometry import Rays
-from foggy_synscapes.frames import rendering
+from foggy_synscapes.frames import rendering, settings
 from foggy_synscapes.frames.finding import Frame
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.files import read_bytes
@@ -31,7 +31,10 @@ WRITERS = 8
 
 @dataclass(frozen=True)
 class Job:
-    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort, `model` of fog."""
+    """What to make of each frame; `betas` as text in 1/m, `level` the deflate effort, `model` of fog.
+
+    stated : the settings that the folder states from its first image on, see `frames.settings`
+    """
 
     out: Path
     betas: list[str]
@@ -40,6 +43,7 @@ class Job:
     level: int
     treatment: str
     model: str = "homogeneous"
+    stated: str = ""
 
     made: ClassVar[str] = "beta_*/*/[!.]*"  # what images below `out` are called
 
@@ -144,6 +148,7 @@ def fog_frame(frame: Frame, job: Job, known: Made | None = None) -> Done:
         done.kept, done.again = len(paths) - len(wanted), sum(os.path.lexists(path) for path in wanted)
         done.frame = Made(of, done.frame.light, dict(known.images) if known else {})
         make(wanted, done)
+        settings.claim(job.out, job.stated)  # for a frame that was left out, which is known by that, too
     except FoggyError as error:
         done.error = str(error)
     except OSError as error:
@@ -191,6 +196,8 @@ def write(job: Job, files: Iterable[tuple[Path, bytes]], done: Done) -> None:
     with ThreadPoolExecutor(WRITERS) as writer:
         pending = []
         for path, data in files:
+            if not done.made:
+                settings.claim(job.out, job.stated)
             pending.append(writer.submit(write_bytes, path, data))
             done.frame.images[job.name(path)] = sha256_bytes(data)
             done.made += 1

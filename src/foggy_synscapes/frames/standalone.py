@@ -1,8 +1,6 @@
 """Fog on any frames, without a pipeline: what a folder of foggy images was made with, and what is missing there."""
 
 import argparse
-import json
-import os
 import sys
 import time
 from contextlib import closing
@@ -10,22 +8,20 @@ from dataclasses import replace
 from pathlib import Path
 
 from foggy_synscapes import __version__
+from foggy_synscapes.betas import beta_name
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.fog.optics import lighter_than_fog
-from foggy_synscapes.frames import by_layout, folders, journal
+from foggy_synscapes.frames import by_layout, folders, journal, settings
 from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
 from foggy_synscapes.io import lock
-from foggy_synscapes.io.atomic import remove_leftovers, write_text
+from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.checksums import Checksums
-from foggy_synscapes.io.files import read_json
 from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.schema import beta_name
 
-SETTINGS = "settings.json"
 COLUMNS = ("id", "red", "green", "blue", "row", "column")
 SHOWN = 10  # errors and warnings printed in full
 
@@ -169,11 +165,11 @@ def fog(
     """
     if jobs < 1:
         raise UsageError(f"--jobs {jobs}: expected 1 or more")
-    table = job.out / "airlight.csv"
+    table, job = job.out / "airlight.csv", replace(job, stated=_settings(job, frames, code, camera))
     with lock.of_folder(job.out):
         own = {path.name for frame in frames for paths in job.paths(frame) for path in paths}
-        remove_leftovers(job.out, {*own, SETTINGS, table.name})
-        _check_settings(job, frames, code, camera)
+        remove_leftovers(job.out, {*own, settings.NAME, table.name})
+        settings.check(job.out, job.stated, job.made)
         known = journal.begin(job.out)
     found: dict[str, folders.Made] = {}
     started, total = time.perf_counter(), folders.Done("")
@@ -219,33 +215,11 @@ def _camera(frames: list[Frame], camera: Path | None) -> str:
     return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"
 
 
-def _check_settings(job: folders.Job, frames: list[Frame], code: str, camera: Path | None) -> None:
-    """Keep one folder from holding images of different frames, settings or versions of the code."""
-    settings = {
-        "camera": _camera(frames, camera),
-        "code": code[:16],
-        **job.settings(),
-        "foggy_synscapes": __version__,
-    }
-    path = job.out / SETTINGS
-    if not os.path.lexists(path):
-        if any(job.out.glob(job.made)):
-            raise FoggyError(
-                f"{path}: missing, so nothing tells how the images beside it were made. Choose another --out, or "
-                "delete the folder."
-            )
-        write_text(path, json.dumps(settings, indent=1) + "\n")
-        return
-    before = read_json(path, "file of settings", "Delete the folder, or choose another --out.")
-    if not isinstance(before, dict):
-        raise FoggyError(f"{path}: not a readable file of settings. Delete the folder, or choose another --out.")
-    if before != settings:
-        keys = sorted(key for key in {*before, *settings} if before.get(key) != settings.get(key))
-        differences = ", ".join(f"{key} was {before.get(key)}, now {settings.get(key)}" for key in keys)
-        raise FoggyError(
-            f"{path}: the folder holds images of another kind: {differences} "
-            "(camera: where they come from). Choose another --out, or delete the folder."
-        )
+def _settings(job: folders.Job, frames: list[Frame], code: str, camera: Path | None) -> str:
+    """What the folder has to state, so that it holds no images of different settings or versions of the code."""
+    return settings.text(
+        {"camera": _camera(frames, camera), "code": code[:16], **job.settings(), "foggy_synscapes": __version__}
+    )
 
 
 def _shortened(lines: list[str]) -> list[str]:

@@ -7,6 +7,7 @@ part of it: a user edits that.
 """
 
 import difflib
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -140,7 +141,20 @@ def _explain(problem: ErrorDetails) -> str:
         return f"{place}: missing. It has no default, so state it; docs/parameters.md lists all keys."
     if kind == "value_error":
         return f"{place}: {message}"
-    return f"{place}: {message}; got {problem['input']!r}"
+    value = problem["input"]
+    if kind == "string_type" and isinstance(value, int | float) and not isinstance(value, bool):
+        # Betas and seeds are names of folders: as numbers, 0.010 and 1e-2 would be one value and two names.
+        return f'{place}: a number; write it in quotes, "{_spelt(value)}", as it stands in names of folders'
+    return f"{place}: {message}; got {value!r}"
+
+
+def _spelt(value: float) -> str:
+    """A number as names of folders have it.
+
+    >>> _spelt(0.005), _spelt(1e-05), _spelt(3)
+    ('0.005', '0.00001', '3')
+    """
+    return str(value) if isinstance(value, int) else f"{Decimal(repr(value)):f}"
 
 
 def _suggest(key: object, known: set[str]) -> str:

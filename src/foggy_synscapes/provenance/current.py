@@ -8,7 +8,7 @@ outputs are missing.
 
 import json
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -223,6 +223,25 @@ def _changed_listing(node: Node) -> str:
         except FoggyError as error:
             return str(error)
     return ""
+
+
+def raw_data_in_words(job: Job, changed: Sequence[Path], option: str = "") -> str:
+    """Why nothing can be planned while files of a dataset are not as they were listed, and what to do.
+
+    job : the one that lists them; option : by which its command is told of the params file
+    """
+    name = job.command[-1]
+    folder = root(job.params, name)
+    if job.params.scenes.roots[name] != STAND_IN and not folder.is_dir():
+        state = "is no folder" if folder.exists() else "does not exist"
+        return (
+            f"scenes.roots.{name}: {folder} {state}, though its files were listed before. Give the dataset's "
+            "folder, e.g. mount it; `foggy params --check` names all that a run lacks."
+        )
+    return (
+        f"{len(changed)} files are not as they were listed, first {changed[0]}. Run `{' '.join(job.command)}{option}`, "
+        "then this again: only what the change reaches is made anew."
+    )
 
 
 def _node(job: Job) -> Node:

@@ -21,6 +21,7 @@ from foggy_synscapes.registry import PACKAGE, PLUGINS, Registry, load_plugin, pl
 
 CHASSIS: tuple[str, ...] = (
     "cli",
+    "commands",
     "errors",
     "jobs",
     "measured_steps",

@@ -122,6 +122,7 @@ def _in_words(changes: object) -> str:
 
 def _engine(module: str, *arguments: str) -> str:
     """What an engine of this environment prints; FoggyError with the end of its message where it fails."""
+    print(f"adopt: {module} {' '.join(arguments)} ...", file=sys.stderr, flush=True)  # it may take minutes
     call = [sys.executable, "-m", module, *arguments]
     result = subprocess.run(call, capture_output=True, text=True, check=False)
     if result.returncode != 0:

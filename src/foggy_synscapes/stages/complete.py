@@ -5,6 +5,7 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import UsageError
@@ -12,17 +13,17 @@ from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import GEOMETRIES
 from foggy_synscapes.frames import by_layout, folders, standalone
 from foggy_synscapes.frames.comparing import compare
+from foggy_synscapes.frames.layouts import LAYOUTS
 from foggy_synscapes.frames.stereo_shards import DATASET, Indexed, depth, depth_name
 from foggy_synscapes.io.arrays import is_whole_npz
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import write_csv
-from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance import source_digest, unfinished
-from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.results import root
-from foggy_synscapes.steps import REGISTRIES, job
+from foggy_synscapes.provenance import source_digest
+
+if TYPE_CHECKING:  # only jobs of the pipeline know params, which are imported with their libraries where they are used
+    from foggy_synscapes.params import Params
 
 HELP = "Complete depth from stereo: DIR/depth/SPLIT/CITY/NAME_depth.npz (planar metres), transmittance, airlight."
 WORD = "complete"
@@ -60,23 +61,30 @@ def run(args: argparse.Namespace) -> None:
     if args.shard is not None:
         if args.layout is not None or args.out is not None:
             raise UsageError("--layout and --out are not for jobs of the pipeline (--shard)")
+        from foggy_synscapes.params import load
+
         complete(load(args.params), args.shard)
         return
     if args.out is None or args.layout is None:
         raise UsageError("give --layout cityscapes, --root and --out (or --shard)")
     betas = standalone.betas_of(args.beta or [])
     frames, job = by_layout.frames(args, folders.Job(args.out, betas, args.geometry, False, 1, "keep"), depth=True)
-    code = source_digest.identity(*source_digest.code(WORD, (f"layouts.{args.layout}",), REGISTRIES))
+    code = source_digest.identity(*source_digest.code(WORD, (f"layouts.{args.layout}",), {"layouts": LAYOUTS}))
     standalone.fog(frames, job, code, jobs=args.jobs, keep_going=args.keep_going, word=WORD)
 
 
-def complete(params: Params, shard: str) -> None:
+def complete(params: "Params", shard: str) -> None:
     """Write the shard of completed depth of some stereo frames, its manifest, and the table of their airlight.
 
     Frames that an interrupted run of the same job finished are kept.
 
     Raises FoggyError if there is no such job, or a file is missing, damaged or not as indexed, or has no depth.
     """
+    from foggy_synscapes.provenance import unfinished
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
+
     made = params.complete
     if made is None or shard not in made.shards:
         known = ", ".join(made.shards) if made else "none, as there is no section complete"

@@ -4,13 +4,13 @@ import argparse
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from foggy_synscapes.datasets import DATASETS, test_sets
 from foggy_synscapes.datasets.index import expect, read_index
-from foggy_synscapes.datasets.predictions import count_pairs, find_pairs
+from foggy_synscapes.datasets.scores import by_class, in_words, of_folders, of_test_set, summary
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.ahead import Watch, ahead
 from foggy_synscapes.io.atomic import write_text
@@ -20,13 +20,11 @@ from foggy_synscapes.io.images import encode_png, read_ids, read_rgb
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_shard
 from foggy_synscapes.labels import CLASSES
-from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.results import root
 from foggy_synscapes.scoring.encoding import ENCODINGS
-from foggy_synscapes.scoring.metrics import summarize
 from foggy_synscapes.scoring.tally import Tally
-from foggy_synscapes.steps import job
+
+if TYPE_CHECKING:
+    from foggy_synscapes.params import Params
 
 HELP = "Score a model on a test set, or any PNG predictions against label maps (IoU in percent)."
 JOB = ("network", "row", "seed", "test_set")
@@ -36,11 +34,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     alone = parser.add_argument_group("any predictions", "score PNG files; no params file and no network is needed")
     alone.add_argument("--predictions", type=Path, metavar="DIR", help="folder of predicted ids, 8-bit grey PNG")
-    alone.add_argument("--labels", type=Path, metavar="DIR", help="folder of ground truth ids, 8-bit grey PNG")
+    alone.add_argument(
+        "--labels",
+        type=Path,
+        metavar="DIR",
+        help="folder of ground truth ids, 8-bit grey PNG; with --test-set: the folder that its archive unpacks to "
+        "(default: the root in the params)",
+    )
     alone.add_argument("--encoding", choices=ENCODINGS, help="of both, where the ids do not tell it themselves")
     alone.add_argument("--predictions-encoding", choices=ENCODINGS, help="of the predictions alone")
     alone.add_argument("--labels-encoding", choices=ENCODINGS, help="of the label maps alone")
-    alone.add_argument("--out", type=Path, metavar="FILE", help="where to write the scores, e.g. metrics.json")
+    alone.add_argument("--out", type=Path, metavar="FILE", help="where to write the scores too, e.g. metrics.json")
     alone.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="processes (default: 1); the scores do not change"
     )
@@ -48,38 +52,88 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job.add_argument("--network", help="e.g. bisenet")
     job.add_argument("--row", help="row of the tables, e.g. FS-498")
     job.add_argument("--seed", help="e.g. 0")
-    job.add_argument("--test-set", help="test set")
+    job.add_argument("--test-set", help="e.g. foggy_driving; with --predictions: the test set that they are of")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    given = {f"--{name.replace('_', '-')}": getattr(args, name) for name in JOB}
-    missing = [option for option, value in given.items() if value is None]
-    if len(missing) < len(JOB):
-        if args.predictions or args.labels or missing:
-            raise UsageError(f"a trained model is scored by {', '.join(given)}, and a folder by --predictions")
-        params = load(args.params)  # first: it names the folder of plugins, which may have test sets
-        if args.test_set not in (known := test_sets()):
-            raise UsageError(f"--test-set {args.test_set}: there are {', '.join(known)}")
-        evaluate(params, *given.values())
+    if args.predictions is None:
+        _run_job(args)
         return
-    if not (args.predictions and args.labels and args.out):
-        raise UsageError("give --predictions, --labels and --out, or --network, --row, --seed and --test-set")
+    named = [f"--{name}" for name in JOB[:3] if getattr(args, name) is not None]
+    if named:
+        raise UsageError(f"{named[0]}: names a trained model, which is scored without --predictions")
+    if args.labels is None and args.test_set is None:
+        raise UsageError("give --labels, the folder of ground truth, or --test-set beside --predictions")
     if args.jobs < 1:
         raise UsageError(f"--jobs {args.jobs}: expected 1 or more")
-    encodings = args.predictions_encoding or args.encoding, args.labels_encoding or args.encoding
-    score(args.predictions, args.labels, args.out, *encodings, jobs=args.jobs)
+    guess, truth = args.predictions_encoding or args.encoding, args.labels_encoding or args.encoding
+    if args.test_set is None:
+        score(args.predictions, args.labels, args.out, guess, truth, jobs=args.jobs)
+        return
+    if truth not in (None, "labelIds"):
+        raise UsageError(f"--test-set {args.test_set}: its label maps are labelIds. Use --predictions-encoding {truth}")
+    folder, scenes = _test_set(args)
+    found = of_test_set(args.test_set, folder, args.predictions, scenes, guess, args.jobs)
+    _told(found, args.out, str(args.predictions))
+
+
+def _run_job(args: argparse.Namespace) -> None:
+    given = {f"--{name.replace('_', '-')}": getattr(args, name) for name in JOB}
+    from foggy_synscapes.params import load
+
+    if args.labels or None in given.values():
+        raise UsageError(f"give --predictions with --labels or --test-set, or for a trained model {', '.join(given)}")
+    params = load(args.params)  # first: it names the folder of plugins, which may have test sets
+    _check_name(args.test_set)
+    evaluate(params, *given.values())
+
+
+def _test_set(args: argparse.Namespace) -> tuple[Path, Any]:
+    """Folder of the test set that the command line names, and the params section that holds its settings.
+
+    Params are read only where they are needed: for the folder, a plugin or a setting.
+    """
+    own = args.labels is not None and args.test_set in test_sets() and not DATASETS[args.test_set].settings
+    if own:
+        return args.labels, None
+    there = args.params.is_file()
+    if not there:
+        _check_name(args.test_set)
+        if args.labels is None:
+            raise UsageError(f"--test-set {args.test_set}: give --labels, the folder that its archive unpacks to")
+    from foggy_synscapes.params import check, load
+    from foggy_synscapes.results import root
+
+    params = load(args.params) if there else check({}, "the packaged defaults")
+    _check_name(args.test_set)
+    return args.labels or root(params, args.test_set), params.scenes
+
+
+def _check_name(test_set: str) -> None:
+    if test_set not in (known := test_sets()):
+        raise UsageError(f"--test-set {test_set}: there are {', '.join(known)}")
+
+
+def _told(found: dict[str, Any], out: Path | None, name: str) -> dict[str, Any]:
+    """Write the scores where asked, and print them: how they were read, both means, IoU by class."""
+    if out is not None:
+        write_text(out, _text(found))
+    read = found["encoding"]
+    print(f"{out or name}: labels read as {read['labels']}, predictions as {read['predictions']}; {in_words(found)}")
+    print(f"IoU in percent, -- where no pixel is annotated:\n{by_class(found)}")
+    return found
 
 
 def score(
     predictions: Path,
     labels: Path,
-    out: Path,
+    out: Path | None = None,
     predictions_encoding: str | None = None,
     labels_encoding: str | None = None,
     jobs: int = 1,
 ) -> dict[str, Any]:
-    """Score a folder of predictions, write `out` and return what it holds.
+    """Score a folder of predictions; print the scores, write them to `out` if it is given, and return them.
 
     Raises
     ------
@@ -87,22 +141,11 @@ def score(
         If a file stays without its counterpart, is no 8-bit grey PNG, or differs in size from it; if the encoding
         is open or contradicted; if no pixel is labelled with a class.
     """
-    found = find_pairs(labels, predictions, labels_encoding)
-    if found.other_maps:
-        print(f"{labels}: {found.other_maps} files are not maps of the ids asked for and are left out")
-    tally = count_pairs(labels, predictions, found.pairs, jobs)
-    where = f"labels: {labels}, predictions: {predictions}"
-    if labels_encoding and labels_encoding == predictions_encoding:
-        where += f"; both were to be {labels_encoding}: --labels-encoding and --predictions-encoding tell them apart"
-    asked = labels_encoding, predictions_encoding
-    scores = _summary(tally, *asked, where, found.labels_named, found.predictions_named)
-    write_text(out, _text(scores))
-    read = scores["encoding"]
-    print(f"{out}: labels read as {read['labels']}, predictions as {read['predictions']}; {_in_words(scores)}")
-    return scores
+    encodings = predictions_encoding, labels_encoding
+    return _told(of_folders(predictions, labels, *encodings, jobs, print), out, str(predictions))
 
 
-def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -> None:
+def evaluate(params: "Params", network: str, row: str, seed: str, test_set: str) -> None:
     """Predict a test set by a trained model; write `metrics.json`, `predictions.tar` (trainIds) and `run.json`.
 
     Raises
@@ -110,9 +153,12 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     FoggyError
         If the model or an image is missing, damaged or not as listed, or the label maps are not labelIds.
     """
-    # Only this way of scoring needs a network, and loading torch takes seconds.
+    # Only this way of scoring needs a network and params; loading torch takes seconds, and not all have installed it.
     from foggy_synscapes.networks.device import take
     from foggy_synscapes.networks.weights import load_model
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
 
     asked = params.evaluate
     try:
@@ -145,7 +191,7 @@ def evaluate(params: Params, network: str, row: str, seed: str, test_set: str) -
     run.write(metrics=_text(scores))
     run.finish(device=device)
     waited = f"waited for images {watch.share:.1%} of the time"
-    print(f"evaluate {network} {row} seed {seed} on {test_set}: {_in_words(scores)}; {waited}")
+    print(f"evaluate {network} {row} seed {seed} on {test_set}: {in_words(scores)}; {waited}")
 
 
 Pair = tuple[np.ndarray, np.ndarray, str, str]  # image, label map, and their names
@@ -182,37 +228,11 @@ def _predictions(
             raise FoggyError(f"{folder / label}: {error}") from error
         yield image, encode_png(predicted)
     # What the label maps hold is found out, not assumed: trainIds scored as labelIds would pass for a bad network.
-    found = _summary(tally, None, "trainIds", str(folder))
+    found = summary(tally, None, "trainIds", str(folder))
     if found["encoding"]["labels"] != "labelIds":
         raise FoggyError(f"{folder}: its label maps hold {found['encoding']['labels']} where labelIds are expected")
     scores.update(found)
 
 
-def _summary(
-    tally: Tally,
-    labels_asked: str | None,
-    predictions_asked: str | None,
-    where: str,
-    labels_named: str | None = None,
-    predictions_named: str | None = None,
-) -> dict[str, Any]:
-    """Scores of a tally, whose encodings are asked for, told by the ids or stated by file names."""
-    try:
-        truth = tally.labels.encoding(labels_asked, labels_named)
-        guess = tally.predictions.encoding(predictions_asked, predictions_named)
-        scores = summarize(tally.matrix(truth, guess), tally.images)
-    except ValueError as error:
-        raise FoggyError(f"{error} ({where})") from error
-    return {**scores, "encoding": {"labels": truth, "predictions": guess}}
-
-
 def _text(scores: dict[str, Any]) -> str:
     return json.dumps(scores, indent=1) + "\n"
-
-
-def _in_words(scores: dict[str, Any]) -> str:
-    means, annotated = scores["mean_iou"], scores["annotated_classes"]
-    return (
-        f"{scores['images']} images, mean IoU {means['annotated']:.2f} % over the {annotated} annotated classes, "
-        f"{means['as_published']:.2f} % with absent classes as 0 (/19)"
-    )

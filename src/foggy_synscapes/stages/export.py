@@ -1,6 +1,7 @@
 """`foggy export`: a trained model as one file that runs without this project."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -114,11 +115,14 @@ def export(
     try:
         from foggy_synscapes.tradeoff import onnx_export
 
+        _say(f"tracing {model.config.name}")
         graph = onnx_export.to_onnx(model, scale)
         if images:
+            _say(f"calibrating 8 bits on {len(images)} images")
             graph = onnx_export.to_int8(graph, images)
         random = np.random.default_rng(0)
         samples = images or [random.integers(0, 256, (*size, 3), np.uint8) for size in SIZES]
+        _say(f"comparing with PyTorch on {len(samples)} images")
         difference = _compare(model, scale, graph, samples, device)
         data = onnx_export.with_output(graph, output)
     except ImportError as error:
@@ -136,6 +140,10 @@ def export(
         f"{difference.magnitude:.2g}), {difference.changed_percent:.2g} % of the pixels of another class"
     )
     return difference
+
+
+def _say(what: str) -> None:
+    print(f"export: {what} ...", file=sys.stderr, flush=True)
 
 
 def _compare(model: Model, scale: float, graph: bytes, images: list[np.ndarray], device: str) -> Difference:

@@ -5,13 +5,14 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.datasets.index import read_index
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.airlight import Airlight
-from foggy_synscapes.frames import recipes, rendering, standalone
+from foggy_synscapes.frames import rendering, standalone
 from foggy_synscapes.frames.layouts import LAYOUTS, Wanted
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.files import named, read_bytes
@@ -19,12 +20,11 @@ from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.shards import write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
-from foggy_synscapes.jobs import Job
-from foggy_synscapes.params import Params, load
-from foggy_synscapes.provenance import source_digest, unfinished
-from foggy_synscapes.provenance.runs import Run
-from foggy_synscapes.results import root
-from foggy_synscapes.steps import REGISTRIES, job
+from foggy_synscapes.provenance import source_digest
+
+if TYPE_CHECKING:  # only jobs of the pipeline know params, which are imported with their libraries where they are used
+    from foggy_synscapes.jobs import Job
+    from foggy_synscapes.params import Params
 
 HELP = "Render fog on frames: any folder of RGB and depth, or one job of the pipeline."
 COLUMNS = ("id", "red", "green", "blue", "row", "column", "blue_sky", "treatment")
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> None:
         _run_job(args)
     else:
         layout = (f"layouts.{args.layout}",) if args.layout else ()
-        standalone.run(args, source_digest.identity(*source_digest.code("fog", layout, REGISTRIES)))
+        standalone.run(args, source_digest.identity(*source_digest.code("fog", layout, {"layouts": LAYOUTS})))
 
 
 def _run_job(args: argparse.Namespace) -> None:
@@ -55,6 +55,8 @@ def _run_job(args: argparse.Namespace) -> None:
     ]
     if alone_only:
         raise UsageError(f"--{alone_only[0]} is not for jobs of the pipeline (--shard, --stereo, --airlight)")
+    from foggy_synscapes.params import load
+
     betas = args.beta or []
     if args.stereo is not None:
         if args.shard is not None or args.airlight or len(betas) != 1:
@@ -69,13 +71,17 @@ def _run_job(args: argparse.Namespace) -> None:
         fog(load(args.params), betas[0], args.shard)
 
 
-def airlight(params: Params, shard: str) -> None:
+def airlight(params: "Params", shard: str) -> None:
     """Write the table of the airlight of a shard's frames, as it is to be used.
 
     `blue_sky` is 1 where the image's own airlight is blue, and `treatment` then says what is done about it.
 
     Raises FoggyError if an image is missing, damaged or not as indexed.
     """
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
+
     run = Run(job(params, "fog_airlight", shard=shard))
     treatment, rows = params.fog.blue_airlight, []
     rendering.keep_memory()
@@ -92,13 +98,17 @@ def airlight(params: Params, shard: str) -> None:
     print(f"fog: atmospheric light of {len(rows)} frames of shard {shard}; {count} blue, fog.blue_airlight {treatment}")
 
 
-def fog(params: Params, beta: str, shard: str) -> None:
+def fog(params: "Params", beta: str, shard: str) -> None:
     """Write the shard of foggy images at one beta, or of their recipes where `fog.render` says so, and its manifest.
 
     Frames that an interrupted run of the same job finished are kept.
 
     Raises FoggyError if a frame is missing, damaged, not as indexed, or cannot be fogged.
     """
+    from foggy_synscapes.provenance import unfinished
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.steps import job
+
     run = Run(job(params, "fog", beta=beta, shard=shard))
     rendering.keep_memory()
     finished = unfinished.folder_of(run)
@@ -111,13 +121,18 @@ def fog(params: Params, beta: str, shard: str) -> None:
     print(f"fog: shard {shard} at beta {beta} / m{left_out}")
 
 
-def fog_made(params: Params, beta: str, shard: str) -> None:
+def fog_made(params: "Params", beta: str, shard: str) -> None:
     """Write a shard of Foggy Cityscapes at one beta, of depth completed from stereo, and its manifest.
 
     Frames that an interrupted run of the same job finished are kept.
 
     Raises FoggyError if there is no such job, or a file is missing, damaged or not as indexed.
     """
+    from foggy_synscapes.provenance import unfinished
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
+
     made = params.complete
     if made is None or shard not in made.shards or beta not in made.betas:
         known = f"shards {', '.join(made.shards)}, betas {', '.join(made.betas)}" if made else "none"
@@ -145,8 +160,11 @@ def fog_made(params: Params, beta: str, shard: str) -> None:
     print(f"fog: {len(lights)} images of shard {shard} made at beta {beta} / m")
 
 
-def _members(job: Job, finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
+def _members(job: "Job", finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
     """File names and contents of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
+    from foggy_synscapes.frames import recipes
+    from foggy_synscapes.results import root
+
     params, beta, shard, kept = job.params, job.values["beta"], job.values["shard"], job.input("kept")
     lights = _lights(job.input("airlight"))
     index, folder = read_index(job.input("index")), root(params, "synscapes")
@@ -181,7 +199,7 @@ def _lights(table: Path) -> dict[int, tuple[Airlight, str]]:
         }
 
 
-def _frames(params: Params, shard: str, kept: Path) -> dict[int, Camera]:
+def _frames(params: "Params", shard: str, kept: Path) -> dict[int, Camera]:
     """Cameras of the frames of a shard that fog.frames asks for: the first and the last kept ones."""
     rows, ends = read_csv(kept, ("id", "fx", "fy", "u0", "v0", "resx", "resy")), params.fog.frames
     if ends.first + ends.last > len(rows):
