@@ -29,6 +29,7 @@ ORDER = (
     "frames",
     "tables",
     "tradeoff",
+    "view",
     "jobs",
     "stereo_steps",
     "step_files",
