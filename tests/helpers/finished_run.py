@@ -47,7 +47,7 @@ def finished_run(images: int = 3) -> dict[str, np.ndarray]:
 
 
 def striped(truth: np.ndarray, number: int) -> np.ndarray:
-    """What row `number` predicts: road and car in each other's place in some columns, and roads where nobody labelled."""
+    """What row `number` predicts: in some columns road for car and car for road, and road where there is no label."""
     road, car = CLASSES.index("road"), CLASSES.index("car")
     found = np.where(truth == IGNORE, road, truth).astype(np.uint8)
     stripe = np.zeros(found.shape, bool)

@@ -1,4 +1,4 @@
-"""view: pages to look at, for any browser: the fog of one frame at any density, or the predictions of a finished run."""
+"""view: pages to look at, for any browser: one frame in fog of any density, or the predictions of a finished run."""
 
 import argparse
 import sys

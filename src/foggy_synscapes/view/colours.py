@@ -14,8 +14,8 @@ SAFE = np.array(
 
 Found by simulated annealing on the smallest CIEDE2000 between any two of them and black (unlabelled), in normal sight
 and in simulated protanopia, deuteranopia and tritanopia: 14.4; that of the Cityscapes colours is 2.6 (vegetation and
-person in deuteranopia). A test computes both. Sources: Sharma, Wu and Dalal, The CIEDE2000 Color-Difference Formula, 2005;
-Machado, Oliveira and Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency, 2009.
+person in deuteranopia). A test computes both. Sources: Sharma, Wu and Dalal, The CIEDE2000 Color-Difference Formula,
+2005; Machado, Oliveira and Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency, 2009.
 """
 
 RIGHT, WRONG = (0, 114, 178), (213, 94, 0)
