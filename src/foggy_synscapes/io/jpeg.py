@@ -8,7 +8,7 @@ import numpy as np
 from foggy_synscapes.errors import FoggyError
 
 QUALITY = 88
-"""Of 100: a test image of 1280 x 960 pixels takes about 200 kB, a tenth of its PNG."""
+"""Of 100: a street scene of 2048 x 1024 pixels takes about 240 kB, a tenth of its PNG."""
 
 
 def encode_jpeg(pixels: np.ndarray) -> bytes:

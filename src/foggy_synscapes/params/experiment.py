@@ -76,7 +76,7 @@ class View(Section):
     """What the pages of predictions show."""
 
     images: int = setting(
-        "of each test set that are shown, at even distances; one of 1280 x 960 pixels takes about 0.6 MB of the page "
+        "of each test set that are shown, at even distances; one of 1280 x 960 pixels takes about 0.4 MB of the page "
         "in 14 rows",
         unit="images",
         ge=1,
