@@ -95,7 +95,9 @@ paper: $(READY)
 	@echo "== results/paper/article.pdf"
 
 # All tables and figures as one page for the browser, with the command behind each; the trade-off too where it was measured.
+# The pages of predictions, to which it links, lie beside it in results/view.
 report: $(READY)
+	@$(BIN)/foggy view --results
 	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 
@@ -103,9 +105,9 @@ report: $(READY)
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
 
-# The stages of DVC, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
+# The stages of DVC and the picture of the workflow, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
 dvc.yaml: $(READY)
-	@$(BIN)/foggy steps --dvc dvc.yaml
+	@$(BIN)/foggy steps --dvc dvc.yaml --svg docs/images/workflow.svg
 
 # The JSON Schema and the page of all keys, after a section of params or a default was edited.
 schema: $(READY)

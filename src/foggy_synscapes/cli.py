@@ -19,6 +19,7 @@ PIPELINE = {
     "evaluate": "score a model on a test set; alone: score any PNG predictions",
     "tables": "make the mIoU tables (CSV, LaTeX, Markdown); alone: the published ones",
     "figures": "draw the figures",
+    "view": "make pages to look at predictions; alone: one frame in fog of any density",
 }
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",

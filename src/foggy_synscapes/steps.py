@@ -13,6 +13,7 @@ from foggy_synscapes import measured_steps, stereo_steps
 from foggy_synscapes.datasets import DATASETS, test_settings
 from foggy_synscapes.errors import UsageError
 from foggy_synscapes.figures import FIGURES
+from foggy_synscapes.figures.figure import RUNS as RUN_KEYS
 from foggy_synscapes.fog.models import MODELS
 from foggy_synscapes.frames.layouts import LAYOUTS
 from foggy_synscapes.jobs import Job, Step, Template, Values, listed
@@ -290,6 +291,23 @@ def _figure(name: str) -> Step:
     )
 
 
+def _view() -> Step:
+    page = f"{RESULTS}/view/{{test_set}}"
+    return Step(
+        name="view",
+        word="view",
+        text="Make the page on which predictions on one test set are looked at.",
+        command="view --results --test-set {test_set}",
+        wildcards={"test_set": "evaluate.test_sets"},
+        inputs=sources(["images", "metrics", "predictions"]),
+        outputs={"page": f"{page}.html", "record": f"{page}.run.json"},
+        params=("view", *RUN_KEYS, "scenes.roots", *test_settings()),
+        code=(f"networks.*{NETWORK}", "datasets.{test_set}"),
+        megabytes=4_000,
+        default=False,
+    )
+
+
 def steps() -> list[Step]:
     """All kinds of jobs, in their order."""
     return _steps(tuple(plugin_files()))
@@ -310,6 +328,7 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         _tables(),
         _tables_paper(),
         *(_figure(name) for name in FIGURES),
+        _view(),
         measured_steps.stability(),
         measured_steps.tradeoff_fog(),
         measured_steps.tradeoff_networks(),

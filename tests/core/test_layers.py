@@ -31,6 +31,7 @@ ORDER = (
     "api",
     "tables",
     "tradeoff",
+    "view",
     "jobs",
     "stereo_steps",
     "step_files",

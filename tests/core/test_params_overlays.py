@@ -130,7 +130,19 @@ def test_the_schema_lets_an_overlay_leave_out_what_it_does_not_change() -> None:
 
 def test_every_key_says_what_it_means() -> None:
     document = resolved.document(DEFAULTS)
-    for top in ("scenes", "filter", "fog", "subset", "train", "evaluate", "tables", "figures", "stability", "tradeoff"):
+    for top in (
+        "scenes",
+        "filter",
+        "fog",
+        "subset",
+        "train",
+        "evaluate",
+        "tables",
+        "figures",
+        "view",
+        "stability",
+        "tradeoff",
+    ):
         section = reference.section_in(params.Params.model_fields[top].annotation)
         for key in reference.keys(section, top, document):
             assert key.field.description, key.name

@@ -123,12 +123,16 @@ class Sources:
 
         return points("train_loss"), points("validation_loss")
 
+    def scores(self, network: str) -> dict[str, dict[str, Any]]:
+        """Scores of a network by row, as `scoring.metrics.summarize` makes them, of the runs that exist."""
+        runs = {row: read_scores(self._run("metrics", network, row)) for row in self.rows}
+        return {row: run for row, run in runs.items() if run is not None}
+
     def metrics(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Scores by network and row, as `scoring.metrics.summarize` makes them, of the runs that exist."""
         found: dict[str, dict[str, dict[str, Any]]] = {}
         for network in self.params.train.networks:
-            runs = {row: read_scores(self._run("metrics", network, row)) for row in self.rows}
-            found[network] = {row: run for row, run in runs.items() if run is not None}
+            found[network] = self.scores(network)
             if not found[network]:
                 raise FoggyError(f"figures: no scores of {network} on {self.test_set}; run `foggy evaluate` first")
         return found

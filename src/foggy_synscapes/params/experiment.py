@@ -72,6 +72,17 @@ class Figures(Section):
     images: int = setting("of each test set that are shown", unit="images", ge=1)
 
 
+class View(Section):
+    """What the pages of predictions show."""
+
+    images: int = setting(
+        "of each test set that are shown, at even distances; one of 1280 x 960 pixels takes about 0.4 MB of the page "
+        "in 14 rows",
+        unit="images",
+        ge=1,
+    )
+
+
 class Stability(Section):
     """How numbers are checked at their extremes."""
 
@@ -138,6 +149,7 @@ class Params(Section):
     evaluate: Evaluate
     tables: Tables
     figures: Figures
+    view: View
     stability: Stability
     tradeoff: Tradeoff
 

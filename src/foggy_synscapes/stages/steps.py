@@ -11,6 +11,7 @@ import yaml
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.jobs import PLACEHOLDER, Each, Step, Template, at
 from foggy_synscapes.params import Params, load
+from foggy_synscapes.planning.picture import workflow
 from foggy_synscapes.results import CODE
 from foggy_synscapes.steps import code_file, steps
 
@@ -26,11 +27,17 @@ SOURCES = ("src/foggy_synscapes", "requirements.lock")
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this command."""
     parser.add_argument("--dvc", type=Path, metavar="FILE", help="write the stages of DVC: dvc.yaml")
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="draw the workflow: docs/images/workflow.svg")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the command."""
     params = load(args.params)
+    if args.svg is not None:
+        write_text(args.svg, workflow())
+        print(f"{args.svg}: the workflow")
+    if args.dvc is None and args.svg is not None:
+        return
     if args.dvc is None:
         print("\n".join(line for step in steps() for line in described(step)))
         return
