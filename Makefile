@@ -12,7 +12,7 @@ BIN := .venv/bin
 TORCH ?=
 READY := .venv/.ready$(if $(TORCH),-$(TORCH))
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema docs dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -99,18 +99,34 @@ report: $(READY)
 	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 
-# README.md and docs/status.md, from the tables that the main job made.
+# docs/status.md and the pictures of the pages, from what the main job made; and the published means as a picture.
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
+	@$(BIN)/python docs/make_table.py
 
 # The stages of DVC, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
 dvc.yaml: $(READY)
 	@$(BIN)/foggy steps --dvc dvc.yaml
 
-# The JSON Schema and the page of all keys, after a section of params or a default was edited.
+# The JSON Schema and the pages of all keys, commands and functions, after a setting, an option or a docstring was edited.
 schema: $(READY)
 	@$(BIN)/foggy params --schema --out docs/params.schema.json
 	@$(BIN)/foggy params --docs --out docs/parameters.md
+	@$(BIN)/python docs/make_commands.py
+	@$(BIN)/python docs/make_api.py
+
+# The documentation as a site to be opened from disk, in an environment of its own. A link that leads nowhere, a page that no
+# list names and a misspelt word stop it.
+docs: .venv-docs/.ready
+	@.venv-docs/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs src workflow tests benchmarks examples params.yaml params
+	@.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs build/docs
+	@echo "== build/docs/index.html"
+
+.venv-docs/.ready: requirements-docs.lock
+	@echo "== Set-up: .venv-docs from requirements-docs.lock; half a minute"
+	@$(PYTHON) -m venv .venv-docs
+	@.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	@touch $@
 
 # Measurements of whole runs: planning at full size, sharing through servers, a Slurm of one machine (docs/scale.md).
 # Each stops with what to install where that is missing.
