@@ -12,10 +12,11 @@ RUN apt-get update \
     && rm -rf /var/lib/apt/lists/*
 
 WORKDIR /opt/foggy-synscapes
-COPY requirements.lock ./
+COPY requirements.lock requirements-hashes.lock ./
 # The build of PyTorch for CPUs; for CUDA: docker build --build-arg TORCH_INDEX=https://download.pytorch.org/whl/cu130 ...
 ARG TORCH_INDEX=https://download.pytorch.org/whl/cpu
-RUN pip install --no-cache-dir --extra-index-url "$TORCH_INDEX" -r requirements.lock
+RUN pip install --no-cache-dir --no-deps --require-hashes -r requirements-hashes.lock \
+    && pip install --no-cache-dir --extra-index-url "$TORCH_INDEX" -r requirements.lock
 COPY pyproject.toml LICENSE README.md ./
 COPY src src
 RUN pip install --no-cache-dir --no-deps . \

@@ -149,23 +149,32 @@ lint: $(READY)
 	@$(BIN)/mypy
 
 # A stamp inside .venv: a set-up that was cut off is done again, one that is older than the lock file is brought up to date.
-$(READY): requirements.lock pyproject.toml
+# First every package but PyTorch by its SHA-256, so that one that was changed since is refused; then PyTorch, whose build (CPU
+# or CUDA) is the one that pip's index has.
+$(READY): requirements.lock requirements-hashes.lock pyproject.toml
 	@echo "== Set-up: .venv from requirements.lock ($(PYTHON)); about two minutes"
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.11")'
 	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-hashes.lock
 	@$(if $(TORCH),$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--extra-index-url https://download.pytorch.org/whl/$(TORCH) "$$(sed -n '/^torch==/p' requirements.lock)+$(TORCH)")
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $(READY)
 
-# Newest versions that pyproject.toml allows. The local part of torch's version (+cpu, +cu130) is left out,
-# because its CPU and CUDA builds share a version.
+# Newest versions that pyproject.toml allows; their SHA-256 for every platform; and the same for the site. The local part of
+# torch's version (+cpu, +cu130) is left out, because its CPU and CUDA builds share a version.
 lock: $(READY)
-	@$(BIN)/python -m pip install --quiet pip-tools
+	@$(BIN)/python -m pip install --quiet pip-tools uv
 	@$(BIN)/pip-compile --quiet --upgrade --extra experiment --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --extra experiment --extra test \
+		--python-version 3.11 --constraint requirements.lock pyproject.toml --output-file requirements-hashes.lock
+	@awk '/^[a-zA-Z0-9]/ {skip = /^(torch|triton|cuda-[a-z]+|nvidia-[a-z0-9-]+)==/ && !/^nvidia-ml-py==/} !skip' \
+		requirements-hashes.lock > requirements-hashes.new && mv requirements-hashes.new requirements-hashes.lock
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url \
+		--python-version 3.11 docs/requirements.in --output-file requirements-docs.lock
 
 # Trainings took days: where there are any, `make clean` says so and leaves them, unless SURE=yes.
 clean:

@@ -50,3 +50,13 @@ def test_links_between_files_lead_somewhere(path: Path) -> None:
             headings = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
             slugs = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
             assert anchor in slugs, f"{target}#{anchor}"
+
+
+def test_the_files_of_versions_and_of_hashes_agree() -> None:
+    """PyTorch has no hash: which of its builds is installed depends on the index."""
+    hashed = (ROOT / "requirements-hashes.lock").read_text(encoding="utf-8")
+    pinned = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    versions = [dict(re.findall(r"^([\w.-]+)==([^\s;]+)", text, re.MULTILINE)) for text in (hashed, pinned)]
+    assert {name: versions[0].get(name) for name in versions[1]} == versions[1] | {"torch": None}
+    entries = re.split(r"^(?=[\w.-]+==)", hashed, flags=re.MULTILINE)[1:]
+    assert all("--hash=sha256:" in entry for entry in entries)
