@@ -80,7 +80,9 @@ class Train(Section):
     )
     compile: bool = setting("torch.compile: a first step of up to minutes, then faster ones")
     curve: int = setting("between rows of curves.csv", unit="iterations", ge=1)
-    live: list[Literal["dvclive", "tensorboard"]] = setting("where else curves are shown while training (docs/experiment.md)")
+    live: list[Literal["dvclive", "tensorboard"]] = setting(
+        "where else curves are shown while training (docs/experiment.md)"
+    )
     snapshot: int = setting("between snapshots, from which an interrupted training resumes", unit="iterations", ge=1)
     seeds: list[SeedName] = setting("one whole grid per seed, quoted", min_length=1)
     networks: list[NetworkName] = setting("trained; each has its settings in a section of its name", min_length=1)
