@@ -12,7 +12,7 @@ BIN := .venv/bin
 TORCH ?=
 READY := .venv/.ready$(if $(TORCH),-$(TORCH))
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema docs dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -101,18 +101,34 @@ report: $(READY)
 	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 
-# README.md and docs/status.md, from the tables that the main job made.
+# docs/status.md and the pictures of the pages, from what the main job made; and the published means as a picture.
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
+	@$(BIN)/python docs/make_table.py
 
 # The stages of DVC and the picture of the workflow, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
 dvc.yaml: $(READY)
 	@$(BIN)/foggy steps --dvc dvc.yaml --svg docs/images/workflow.svg
 
-# The JSON Schema and the page of all keys, after a section of params or a default was edited.
+# The JSON Schema and the pages of all keys, commands and functions, after a setting, an option or a docstring was edited.
 schema: $(READY)
 	@$(BIN)/foggy params --schema --out docs/params.schema.json
 	@$(BIN)/foggy params --docs --out docs/parameters.md
+	@$(BIN)/python docs/make_commands.py
+	@$(BIN)/python docs/make_api.py
+
+# The documentation as a site to be opened from disk, in an environment of its own. A link that leads nowhere, a page that no
+# list names and a misspelt word stop it.
+docs: .venv-docs/.ready
+	@.venv-docs/bin/codespell README.md CHANGELOG.md CONTRIBUTING.md docs src workflow tests benchmarks examples params.yaml params
+	@.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs build/docs
+	@echo "== build/docs/index.html"
+
+.venv-docs/.ready: requirements-docs.lock
+	@echo "== Set-up: .venv-docs from requirements-docs.lock; half a minute"
+	@$(PYTHON) -m venv .venv-docs
+	@.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	@touch $@
 
 # Measurements of whole runs: planning at full size, sharing through servers, a Slurm of one machine (docs/scale.md).
 # Each stops with what to install where that is missing.
@@ -135,23 +151,32 @@ lint: $(READY)
 	@$(BIN)/mypy
 
 # A stamp inside .venv: a set-up that was cut off is done again, one that is older than the lock file is brought up to date.
-$(READY): requirements.lock pyproject.toml
+# First every package but PyTorch by its SHA-256, so that one that was changed since is refused; then PyTorch, whose build (CPU
+# or CUDA) is the one that pip's index has.
+$(READY): requirements.lock requirements-hashes.lock pyproject.toml
 	@echo "== Set-up: .venv from requirements.lock ($(PYTHON)); about two minutes"
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.11")'
 	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-hashes.lock
 	@$(if $(TORCH),$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--extra-index-url https://download.pytorch.org/whl/$(TORCH) "$$(sed -n '/^torch==/p' requirements.lock)+$(TORCH)")
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $(READY)
 
-# Newest versions that pyproject.toml allows. The local part of torch's version (+cpu, +cu130) is left out,
-# because its CPU and CUDA builds share a version.
+# Newest versions that pyproject.toml allows; their SHA-256 for every platform; and the same for the site. The local part of
+# torch's version (+cpu, +cu130) is left out, because its CPU and CUDA builds share a version.
 lock: $(READY)
-	@$(BIN)/python -m pip install --quiet pip-tools
+	@$(BIN)/python -m pip install --quiet pip-tools uv
 	@$(BIN)/pip-compile --quiet --upgrade --extra experiment --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --extra experiment --extra test \
+		--python-version 3.11 --constraint requirements.lock pyproject.toml --output-file requirements-hashes.lock
+	@awk '/^[a-zA-Z0-9]/ {skip = /^(torch|triton|cuda-[a-z]+|nvidia-[a-z0-9-]+)==/ && !/^nvidia-ml-py==/} !skip' \
+		requirements-hashes.lock > requirements-hashes.new && mv requirements-hashes.new requirements-hashes.lock
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url \
+		--python-version 3.11 docs/requirements.in --output-file requirements-docs.lock
 
 # Trainings took days: where there are any, `make clean` says so and leaves them, unless SURE=yes.
 clean:

@@ -92,7 +92,9 @@ def plan():
     if not IS_PLANNED_HERE:
         return set(), set()
     dag = workflow.dag
-    forced = {rule.name for rule in dag.forcerules} | {*map(str, dag.forcefiles)}
+    rules = {rule.name for rule in dag.forcerules}
+    forced = {step.name for step in table.steps() if rules & {step.rule, step.word}}
+    forced |= {*map(str, dag.forcefiles)}
     found = out_of_date(PARAMS, forced, asked.outputs(PARAMS, "all"))
     again = [each for each in found if each.node.is_there]
     dag.forcefiles.update(path for each in again for path in each.node.written)
@@ -201,9 +203,14 @@ def gpus(step):
 
 
 def command(step):
-    """The command of a job, to which its rule adds the params file and the log."""
-    return lambda wildcards: join(Job(step, PARAMS, dict(wildcards.items())).command)
+    """The command of a job with its params file, to which its rule adds the log."""
+    return lambda wildcards: (
+        join(Job(step, PARAMS, dict(wildcards.items())).command) + PARAMS_OPTION
+    )
 
+
+# What the terminal says of a job that starts: its command. Where --printshellcmds asks for all of it, Snakemake's own text.
+MESSAGE = None if workflow.output_settings.printshellcmds else "{params.command}"
 
 # Jobs know by this that the lock of this folder is held for them, and with which params they were planned.
 os.environ[lock.HELD] = "snakemake"
@@ -242,6 +249,18 @@ rule paper:
     """The rows of the paper's two tables and nothing that they do not need: `snakemake --cores 2 paper`."""
     input:
         asked.outputs(PARAMS, "paper"),
+
+
+# Each word is a target: `snakemake --cores 2 fog` makes all results of this step, and what they need.
+for word in dict.fromkeys(step.word for step in table.steps()):
+    if word not in {step.rule for step in steps(word)} and asked.outputs(PARAMS, word):
+
+        rule:
+            """All results of one word."""
+            name:
+                word
+            input:
+                asked.outputs(PARAMS, word),
 
 
 include: "workflow/rules/scenes.smk"

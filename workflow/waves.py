@@ -16,7 +16,7 @@ def main(options: list[str]) -> int:
     snakemake = [sys.executable, "-m", "snakemake", *options]
     if "--configfile" not in options:
         snakemake += ["--configfile", "params.yaml"]
-    for until in [*(["--until", step.name] for step in steps() if step.default), []]:
+    for until in [*(["--until", step.rule] for step in steps() if step.default), []]:
         status = subprocess.run([*snakemake, *until], check=False).returncode
         if status:
             return status

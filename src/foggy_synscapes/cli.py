@@ -23,9 +23,11 @@ PIPELINE = {
 }
 TOOLS = {
     "adopt": "carry a clone from one engine to the other",
+    "card": "write a model card of a trained model",
     "clean": "list and remove results that the params do not ask for any more",
     "completion": "print what lets a shell complete these commands and their options",
     "code": "write what counts of the code of each job, for DVC",
+    "croissant": "describe foggy images that were made, for tools that load datasets",
     "export": "write a trained model as one file that runs without this project",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",

@@ -79,6 +79,11 @@ class Step:
     default: bool = True
     only: Callable[[Params], Mapping[str, Collection[str]]] | None = None
 
+    @property
+    def rule(self) -> str:
+        """Snakemake's name of it: a word is the target of all its jobs, so a rule with wildcards is `fog_each`."""
+        return f"{self.name}_each" if self.name == self.word and self.wildcards else self.name
+
     def fill(self, template: str, params: Params, values: Values) -> str:
         """A template with its wildcards' values; `{row.beta}` is a value of the wildcard's entry in the params."""
 

@@ -3,7 +3,7 @@ for step in steps("evaluate"):
     rule:
         """Score one model on one test set."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -21,5 +21,7 @@ for step in steps("evaluate"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

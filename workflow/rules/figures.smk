@@ -19,7 +19,7 @@ for step in steps("figures"):
     rule:
         """Draw one figure."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -37,5 +37,7 @@ for step in steps("figures"):
             command=command(step),
             reads=reads(step),
             text=text(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -3,7 +3,7 @@ for step in steps("filter"):
     rule:
         """Keep frames by their metadata."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -20,5 +20,7 @@ for step in steps("filter"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -3,7 +3,7 @@ for step in steps("fog"):
     rule:
         """Estimate the airlight of a shard's frames, once for all betas; render their foggy images at one beta."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -20,5 +20,7 @@ for step in steps("fog"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -3,7 +3,7 @@ for step in steps("scenes"):
     rule:
         """List what one dataset holds, and draw its stand-in first where its root says so."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -20,5 +20,7 @@ for step in steps("scenes"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

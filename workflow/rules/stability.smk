@@ -18,7 +18,7 @@ for step in steps("stability"):
     rule:
         """Check the numbers at the extremes of their inputs: `snakemake --cores 1 stability`."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -35,5 +35,7 @@ for step in steps("stability"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

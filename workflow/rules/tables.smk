@@ -11,7 +11,7 @@ for step in steps("tables"):
     rule:
         """Print the scores of all rows on one test set, beside the published ones."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -28,5 +28,7 @@ for step in steps("tables"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -1,9 +1,3 @@
-rule tradeoff:
-    """Speed against accuracy: `snakemake --cores 1 tradeoff`. Its times differ run by run, so `all` leaves it out."""
-    input:
-        [path for step in steps("tradeoff") for path in outputs(step)],
-
-
 def shown(part):
     """The place in the report of a part's figure, or of its text where it has none."""
     return {
@@ -18,9 +12,9 @@ def shown(part):
 for step in steps("tradeoff"):
 
     rule:
-        """Measure what cheaper ways of computing save and cost."""
+        """What cheaper ways of computing save and cost. Times differ run by run: `all` leaves it out, `tradeoff` asks for it."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
             shards=waits(step),
@@ -38,5 +32,7 @@ for step in steps("tradeoff"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -3,7 +3,7 @@ for step in steps("train"):
     rule:
         """Train one network on one list: from its weights, or from the selected snapshot of the baseline."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
             shards=waits(step),
@@ -24,5 +24,7 @@ for step in steps("train"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

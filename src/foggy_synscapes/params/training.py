@@ -80,8 +80,10 @@ class Train(Section):
     )
     compile: bool = setting("torch.compile: a first step of up to minutes, then faster ones")
     curve: int = setting("between rows of curves.csv", unit="iterations", ge=1)
-    live: list[Literal["dvclive", "tensorboard"]] = setting("where else curves are shown while training (README)")
-    snapshot: int = setting("between snapshots that an interrupted training goes on from", unit="iterations", ge=1)
+    live: list[Literal["dvclive", "tensorboard"]] = setting(
+        "where else curves are shown while training (docs/experiment.md)"
+    )
+    snapshot: int = setting("between snapshots, from which an interrupted training resumes", unit="iterations", ge=1)
     seeds: list[SeedName] = setting("one whole grid per seed, quoted", min_length=1)
     networks: list[NetworkName] = setting("trained; each has its settings in a section of its name", min_length=1)
     from_weights: list[RowName] = setting("rows that start from a network's own weights")
