@@ -4,6 +4,7 @@ A new format is one function and one line of FORMATS.
 """
 
 import io
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -113,7 +114,10 @@ def _array(data: bytes, path: Path) -> np.ndarray:
     with named(path, "NumPy array", AGAIN):
         version = np.lib.format.read_magic(stream)
         read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _, kind = read(stream)
+        try:
+            shape, _, kind = read(stream)
+        except (SyntaxError, tokenize.TokenError) as error:  # a header is read as Python's own text
+            raise ValueError(f"its header cannot be read: {error}") from error
         # A header may claim anything: memory is taken for what is there only.
         if kind.hasobject or stream.tell() + int(np.prod(shape, dtype=object)) * kind.itemsize != len(data):
             raise ValueError(f"its header claims {kind} {shape}, but it has {len(data):,} bytes")
