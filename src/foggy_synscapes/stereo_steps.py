@@ -114,7 +114,7 @@ def fog_completed() -> Step:
         outputs={
             "shard": f"{images}.tar",
             "manifest": f"{images}.csv",
-            "errors": f"{images}.errors.csv",
+            "errors": f"{images}.errors",
             "record": f"{images}.run.json",
         },
         params=(*FRAME_KEYS, "fog.geometry", "fog.png_level"),
@@ -134,7 +134,7 @@ def tables_depth() -> Step:
         inputs={
             "errors": Each(
                 f"{FOG}/{COMPLETED}",
-                "beta_{beta}/{shard}.errors.csv",
+                "beta_{beta}/{shard}.errors",
                 {"beta": ("fog.betas",), "shard": ("scenes.shards",)},
             )
         },
