@@ -127,9 +127,9 @@ def _whole(found: Mapping[str, float], path: Path) -> Intrinsics:
     missing = [name for name in ("fx", "fy", "u0", "v0") if name not in found]
     if missing:
         raise FoggyError(f"{path}: {', '.join(missing)} missing. {ADVICE}")
-    sizes = {name: int(found[name]) for name in ("resx", "resy") if name in found}
-    numbers = {name: float(value) for name, value in found.items() if name not in sizes}
-    return Intrinsics(**numbers, **sizes)
+    fx, fy, u0, v0 = (float(found[name]) for name in ("fx", "fy", "u0", "v0"))
+    resx, resy = (int(found[name]) if name in found else None for name in ("resx", "resy"))
+    return Intrinsics(fx, fy, u0, v0, resx, resy, found.get("baseline"))
 
 
 def _kitti_number(image: Path) -> int:
@@ -178,4 +178,5 @@ def _projection(tables: Mapping[str, list[float]], camera: int) -> np.ndarray | 
 def _checked(numbers: Mapping[str, float]) -> Intrinsics:
     if not all(math.isfinite(value) for value in numbers.values()):
         raise ValueError("its numbers are not all finite")
-    return Intrinsics(**{name: float(value) for name, value in numbers.items()})
+    fx, fy, u0, v0 = (float(numbers[name]) for name in ("fx", "fy", "u0", "v0"))
+    return Intrinsics(fx, fy, u0, v0)
