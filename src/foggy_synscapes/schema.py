@@ -31,9 +31,7 @@ class Section(BaseModel):
         annotation = cls.model_fields[info.field_name or ""].annotation
         kinds = {annotation, *get_args(annotation)}
         if kinds & {int, float} and str not in kinds and isinstance(value, bool | str):
-            raise ValueError(
-                f"should be a number, without quotes, and with a point where it has an exponent (1.0e-3); got {value!r}"
-            )
+            raise ValueError(f"should be a number, without quotes, and with a point where it has an exponent (1.0e-3); got {value!r}")
         if int in kinds and float not in kinds and isinstance(value, float):
             raise ValueError(f"should be a whole number, written without a point; got {value!r}")
         if bool in kinds and not isinstance(value, bool) and not (value is None and type(None) in kinds):
