@@ -35,6 +35,7 @@ SOURCES: dict[str, Callable[[], dict[str, Template]]] = {
         "fog": Each(f"{FOG}/beta_{{row.beta}}", "{shard}.csv", {"shard": ("scenes.shards",)}),
     },
     "made": stereo_steps.made_images,
+    "completed": lambda: {"kept": KEPT, **stereo_steps.completed_images()},
     "curves": lambda: {"curves": Each(f"{RESULTS}/train", f"{RUN}/curves.csv", RUNS)},
     "metrics": lambda: {"metrics": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/metrics.json", RUNS)},
     "predictions": lambda: {"predictions": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/predictions.tar", RUNS)},

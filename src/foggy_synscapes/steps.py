@@ -151,7 +151,7 @@ def fog_shards(params: Params, values: Values) -> list[str]:
     """Shards that hold images of a row's list, which has the hash of each image."""
     entry = params.subset.foggy().get(values["row"])
     own = [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
-    return own + stereo_steps.made_shards(params, values)
+    return own + stereo_steps.made_shards(params, values) + stereo_steps.completed_shards(params, values)
 
 
 def _start_weights(params: Params, values: Values) -> list[str]:
@@ -281,6 +281,7 @@ def _figure(name: str) -> Step:
         wildcards={"test_set": "evaluate.test_sets"} if entry.of_test_set else {},
         inputs=sources(entry.inputs),
         outputs={**files(figure, "png", "pdf"), "record": f"{figure}.run.json"},
+        asked=entry.asked,
         params=("figures", *entry.keys, *(test_settings() if "images" in entry.inputs else ())),
         code=(
             f"figures.{name}",
@@ -322,11 +323,14 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         _airlight(),
         _fog(),
         stereo_steps.fog(),
+        stereo_steps.complete_synscapes(),
+        stereo_steps.fog_completed(),
         *(_subset(kind) for kind in KINDS),
         *_trainings(),
         *(_evaluate(row) for row in ROWS),
         _tables(),
         _tables_paper(),
+        stereo_steps.tables_depth(),
         *(_figure(name) for name in FIGURES),
         _view(),
         measured_steps.stability(),

@@ -271,6 +271,28 @@ def foggy(path: Path) -> object:
     return {name: data for name, data in tree(out).items() if not name.startswith("settings")}
 
 
+def read_given(path: Path) -> object:
+    """Depth, or a camera, of any format."""
+    from foggy_synscapes.frames.cameras import parse
+    from foggy_synscapes.io.depth_files import FORMATS, read_stored
+    from foggy_synscapes.io.files import read_bytes
+
+    data = read_bytes(path)
+    return read_stored(data, path) if path.suffix in FORMATS else vars(parse(data, path, Path("image_02/0.png")))
+
+
+def array_content(ending: str) -> bytes:
+    """Depth as NumPy saves it."""
+    buffer = io.BytesIO()
+    values = depth()
+    np.save(buffer, values) if ending == "npy" else np.savez_compressed(buffer, depth=values)
+    return buffer.getvalue()
+
+
+KITTI = b"calib_time: 09-Jan-2012\nS_rect_02: 4.0e+01 2.4e+01\nP_rect_02: 44 0 20 2 0 44 12 0 0 0 1 0\n"
+FRAMES = b"frame cameraID K[0,0] K[1,1] K[0,2] K[1,2]\n0 2 44 44 20 12\n"
+
+
 def png_of(make: Callable[[], np.ndarray]) -> Callable[[], bytes]:
     from foggy_synscapes.io.images import encode_png
 
@@ -315,6 +337,11 @@ READERS = (
     Reader("weights", "weights.safetensors", model_content, read_weights, "safetensors"),
     Reader("pickle", "weights.pth", pickle_content, read_weights, "damage"),
     Reader("MATLAB", "weights.mat", matlab_content, read_weights, "damage"),
+    Reader("depth .npy", "a.npy", lambda: array_content("npy"), read_given, "damage"),
+    Reader("depth .npz", "a.npz", lambda: array_content("npz"), read_given, "damage"),
+    Reader("depth EXR of any channel", "a.exr", exr_content, read_given, "exr"),
+    Reader("camera of KITTI", "calib.txt", lambda: KITTI, read_given, "text"),
+    Reader("camera of Virtual KITTI", "intrinsic.txt", lambda: FRAMES, read_given, "text"),
     Reader("fog: image", "rgb/a.png", png_of(rgb), foggy, "png"),
     Reader("fog: depth", "depth/a.exr", exr_content, foggy, "exr"),
     Reader("fog: camera", "camera.json", camera_content, foggy, "json_tree"),

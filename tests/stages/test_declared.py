@@ -27,7 +27,7 @@ from foggy_synscapes.stages.subset import subset
 from foggy_synscapes.standin.layouts import STAND_INS
 from foggy_synscapes.steps import job
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG, MADE
+from foggy_synscapes.subsets.kind import IMAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -221,7 +221,7 @@ def test_declarations_name_what_there_is() -> None:
         assert name in DATASETS
         assert set(STAND_INS[name].others) <= set(STAND_INS)
     for name in KINDS:
-        assert set(KINDS[name].reads) <= {FOG, MADE, *DATASETS}
+        assert set(KINDS[name].reads) <= {*IMAGES, *DATASETS}
     methods = dict(inspect.getmembers(Sources, inspect.isfunction))
     assert set(INPUTS) <= methods.keys()
     assert {name for figure in FIGURES for name in FIGURES[figure].inputs} == set(INPUTS)

@@ -15,6 +15,8 @@ from foggy_synscapes.io.shards import Shard
 RECIPE = ".json"
 MADE = "cityscapes"
 """Folder of shards of Foggy Cityscapes made here, below that of fog."""
+COMPLETED = "completed"
+"""Folder of shards of Foggy Synscapes of completed depth, below that of fog."""
 OPEN_SHARDS = 64
 """Shards held open at once; 50 hold the whole of Synscapes at one beta."""
 
@@ -32,6 +34,11 @@ def of_fog(beta: str, shard: str, member: str) -> str:
 def of_made(beta: str, shard: str, member: str) -> str:
     """URI of an image of Foggy Cityscapes made here."""
     return f"fog:{MADE}/beta_{beta}/{shard}.tar#{member}"
+
+
+def of_completed(beta: str, shard: str, member: str) -> str:
+    """URI of an image of Foggy Synscapes of completed depth."""
+    return f"fog:{COMPLETED}/beta_{beta}/{shard}.tar#{member}"
 
 
 def recipe(member: str) -> str:

@@ -111,7 +111,7 @@ def complete(
             f"disparity: none of {count} superpixels has {needed}; {_share(missing)} have none, {_share(inconsistent)} "
             "look otherwise in the right image"
         )
-    colours, centroids, partners, order = _match(left, pixels, own)
+    colours, centroids, partners, order = match_segments(left, pixels, own)
     for k in order:
         planes[k] = planes[partners[k]]
         inside = slice(begin[k], begin[k + 1])
@@ -120,10 +120,13 @@ def complete(
     return Completed(depth, missing, inconsistent, segments)
 
 
-def _match(
+def match_segments(
     image: np.ndarray, pixels: tuple[np.ndarray, ...], own: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Colours, centroids, partners and order of `Segments`."""
+    """Colours, centroids, partners and order of `Segments`.
+
+    image : uint8 (H, W, 3); pixels : of the segments, see `kernels.planes.pixels_of_segments`; own : as in `Segments`
+    """
     from foggy_synscapes.depth.kernels import matching as kernels
 
     count = own.size

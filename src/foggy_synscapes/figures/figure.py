@@ -45,6 +45,7 @@ class Figure:
         listed
     keys : dotted keys of the params that it is drawn by, beside the section `figures`
     of_test_set : whether there is one for each test set, which is then named NAME_TESTSET
+    asked : a key of the params without which there is no such figure
     """
 
     text: str
@@ -52,6 +53,7 @@ class Figure:
     draw: Callable[[Sources], Drawing]
     keys: tuple[str, ...] = ()
     of_test_set: bool = False
+    asked: str = ""
 
     def __post_init__(self) -> None:
         unknown = [name for name in self.inputs if name not in INPUTS]

@@ -45,6 +45,27 @@ def lighter_than_fog(beta: float) -> str | None:
     )
 
 
+DENSEST = 0.1
+"""1/m, a visibility of 30 m: fog in which nobody drives or records; more is often a slip of a digit."""
+
+
+def denser_than_usual(beta: float) -> str | None:
+    """What to ask where an attenuation coefficient in 1/m is above the densest fog's; None otherwise.
+
+    >>> denser_than_usual(0.2)
+    'beta 0.2 1/m is a visibility of 15 m; did you mean 0.02, 150 m?'
+    """
+    if beta <= DENSEST:
+        return None
+    sight, likely = meteorological_optical_range(beta), beta
+    while likely > DENSEST:
+        likely /= 10
+    return (
+        f"beta {beta:g} 1/m is a visibility of {sight:.3g} m; did you mean {likely:g}, "
+        f"{meteorological_optical_range(likely):.3g} m?"
+    )
+
+
 def attenuation(visibility: float) -> float:
     """Attenuation coefficient beta in 1/m at a meteorological optical range in metres, above 0.
 

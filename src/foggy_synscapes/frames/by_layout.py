@@ -7,9 +7,12 @@ from foggy_synscapes.errors import UsageError
 from foggy_synscapes.frames.finding import Frame
 from foggy_synscapes.frames.folders import Job
 from foggy_synscapes.frames.layouts import LAYOUTS, Request
+from foggy_synscapes.frames.own_frames import OPTIONS
 
 OTHERS = ("synscapes", "rgb", "depth", "camera", "camera_in_depth", "ids")
 """Options that name frames in another way."""
+OWN = ("split", "list", "depth_from", "refine", "seed")
+"""Options of layouts, of which each takes some."""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +28,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--list", type=Path, metavar="FILE", help="only the frames that it names, one a line: SPLIT/CITY/NAME"
     )
-    group.add_argument("--depth-from", metavar="WAY", help="where depth comes from (cityscapes: stereo, its default)")
+    group.add_argument(
+        "--depth-from",
+        metavar="WAY",
+        help="where depth comes from (cityscapes: stereo; kitti: groundtruth, velodyne_raw or disparity)",
+    )
     group.add_argument(
         "--refine",
         metavar="WAY",
@@ -41,21 +48,22 @@ def frames(args: argparse.Namespace, job: Job, depth: bool = False) -> tuple[lis
 
     Raises UsageError where the command line makes no sense, FoggyError where there is no frame.
     """
-    for name in OTHERS:
-        if getattr(args, name, None):
-            raise UsageError(f"--{name.replace('_', '-')}: --layout {args.layout} names frames and cameras itself")
+    layout = LAYOUTS[args.layout]
+    for name in (*OTHERS, *OWN, *OPTIONS):
+        if getattr(args, name, None) not in (None, False) and name not in layout.takes:
+            reason = "takes no such option" if name in OWN else "names frames, depth and cameras itself"
+            raise UsageError(f"--{name.replace('_', '-')}: --layout {args.layout} {reason}")
     if args.root is None:
         raise UsageError(f"--layout {args.layout}: give --root, the folder of the dataset")
-    layout = LAYOUTS[args.layout]
     make = layout.complete if depth else layout.fog
     if make is None:
         raise UsageError(f"--layout {args.layout}: has depth of its own, there is nothing to complete")
-    wanted = Request(args.root, args.split or (), args.list, args.depth_from, args.refine, args.seed)
+    wanted = Request(args.root, args.split or (), args.list, args.depth_from, args.refine, args.seed, args)
     return make(wanted, job)
 
 
 def refuse_without_layout(args: argparse.Namespace) -> None:
     """Raise UsageError where options of a layout are given without one."""
-    for name in ("root", "split", "list", "depth_from", "refine", "seed"):
+    for name in ("root", *OWN):
         if getattr(args, name) is not None:
             raise UsageError(f"--{name.replace('_', '-')}: goes with --layout, e.g. --layout cityscapes")

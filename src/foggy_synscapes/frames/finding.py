@@ -7,7 +7,7 @@ from pathlib import Path
 from foggy_synscapes.datasets import synscapes
 from foggy_synscapes.errors import FoggyError, UsageError
 
-IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".ppm", ".tga", ".jp2")
 
 
 @dataclass(frozen=True)
@@ -73,40 +73,6 @@ def of_synscapes(root: Path, ids: str | None, camera: Path | None, in_depth: boo
         for n in numbers
     ]
     return [replace(frame, camera=frame.depth) for frame in frames] if in_depth else frames
-
-
-def of_folders(rgb: Path, depth: Path, ids: str | None, camera: Path | None) -> list[Frame]:
-    """Frames of plain folders: images in one, depth of the same names (but .exr) in the other.
-
-    `camera` is one for all; without it each frame's is in the header of its depth file.
-
-    Raises
-    ------
-    UsageError
-        If a folder is not there.
-    FoggyError
-        If there is no image, or two images would give files of the same name.
-    """
-    for folder in (rgb, depth):
-        if not folder.is_dir():
-            raise UsageError(f"{folder}: no such folder")
-    wanted = None if ids is None else set(parse_ids(ids))
-    frames: dict[str, Frame] = {}
-    for path in sorted(path for path in rgb.iterdir() if path.suffix.lower() in IMAGES):
-        if wanted is not None and not (path.stem.isdecimal() and int(path.stem) in wanted):
-            continue
-        try:
-            path.name.encode("utf-8")
-        except UnicodeEncodeError as error:
-            raise FoggyError(f"{str(path)!r}: its name is not UTF-8, as the tables are. Rename it.") from error
-        metres = depth / f"{path.stem}.exr"
-        frame = Frame(path.stem, path, metres, camera or metres)
-        other = frames.setdefault(frame.name(""), frame)
-        if other is not frame:
-            raise FoggyError(f"{path}: would give the same file names as {other.rgb}. Rename one of them.")
-    if not frames:
-        raise FoggyError(f"{rgb}: holds no image ({', '.join(IMAGES)}){' with these --ids' if ids else ''}")
-    return sorted(frames.values(), key=lambda frame: order(frame.id))
 
 
 def order(frame: str) -> tuple[int, int, str]:

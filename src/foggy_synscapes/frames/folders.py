@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -65,6 +65,10 @@ class Job:
             "blue_airlight": self.treatment,
             "png_level": self.level,
         }
+
+    def foggy(self, clear: rendering.Clear, rays: Rays, light: Airlight, betas: Sequence[str]) -> Iterator[bytes]:
+        """Foggy images as files, one per beta."""
+        return rendering.foggy_pngs(self.model, clear, rays, light, list(betas), self.level)
 
     def open(self, frame: Frame) -> tuple[str, "Make"]:
         """Read a frame's files: what tells them from all others, and what makes the wanted ones of its `paths`."""
@@ -162,10 +166,14 @@ def _make(frame: Frame, job: Job, rgb: bytes, depth: bytes, camera: Camera, want
     # What is no PNG is read by a library that opens files itself.
     source = rgb if rgb.startswith(SIGNATURE) else frame.rgb
     clear = rendering.read_clear(source, depth, str(frame.rgb), str(frame.depth))
+    render(frame, job, clear, rendering.rays_of(clear, camera, str(frame.camera), job.geometry), wanted, done)
+
+
+def render(frame: Frame, job: Job, clear: rendering.Clear, rays: Rays, wanted: set[Path], done: Done) -> None:
+    """Write the wanted images of a frame that was read, and note airlight and warnings."""
     light = take_airlight(clear.image, job, done)
-    done.warnings = clear.warnings(light)
+    done.warnings = [*clear.warnings(light), *clear.hidden(job.betas)]
     if not (done.blue and job.treatment == rendering.DROP):
-        rays = rendering.rays_of(clear, camera, str(frame.camera), job.geometry)
         write(job, _encoded(frame, job, clear, rays, light, wanted), done)
 
 
@@ -174,13 +182,13 @@ def _encoded(
 ) -> Iterator[tuple[Path, bytes]]:
     foggy, maps = job.paths(frame)
     kinds = (
-        (foggy, partial(rendering.foggy_pngs, job.model, clear, rays, light)),
-        (maps, partial(rendering.transmittance_pngs, job.model, clear, rays)),
+        (foggy, partial(job.foggy, clear, rays, light)),
+        (maps, partial(rendering.transmittance_pngs, job.model, clear, rays, level=job.level)),
     )
     for paths, encode in kinds:
         missing = {path: beta for path, beta in zip(paths, job.betas, strict=False) if path in wanted}
         if missing:
-            yield from zip(missing, encode(list(missing.values()), job.level), strict=True)
+            yield from zip(missing, encode(betas=list(missing.values())), strict=True)
 
 
 def take_airlight(image: np.ndarray, job: Job, done: Done) -> Airlight:

@@ -1,7 +1,7 @@
 """One frame from its files: read, fog at several betas, encode."""
 
 import ctypes
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,7 +15,7 @@ from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
 from foggy_synscapes.fog.models import MODELS
-from foggy_synscapes.fog.optics import count_zero_depth
+from foggy_synscapes.fog.optics import count_zero_depth, meteorological_optical_range
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
 
@@ -43,6 +43,17 @@ class Clear:
         if light.levels == (0, 0, 0):
             found.append(f"{self.rgb_name}: its atmospheric light is black, so its fog is black")
         return found
+
+    def hidden(self, betas: Sequence[str]) -> list[str]:
+        """Betas in 1/m at which not even the nearest pixel is seen, as warnings."""
+        nearest = float(self.depth.min())
+        far = {beta: meteorological_optical_range(float(beta)) for beta in betas if float(beta)}
+        return [
+            f"{self.depth_name}: nothing is nearer than {nearest:.3g} m, but the visibility at beta {beta} / m is "
+            f"{sight:.3g} m"
+            for beta, sight in far.items()
+            if sight < nearest
+        ]
 
 
 def keep_memory() -> None:
@@ -127,7 +138,7 @@ def rays_of(clear: Clear, camera: Camera, camera_name: str, geometry: str) -> Ra
             f"{camera_name}: its camera has {camera.resx} x {camera.resy} pixels, but {clear.depth_name} has "
             f"{_size(clear.depth)}. Give the camera of these images."
         )
-    return _rays(camera, geometry)
+    return rays_of_camera(camera, geometry)
 
 
 def foggy_pngs(model: str, clear: Clear, rays: Rays, light: Airlight, betas: list[str], level: int) -> Iterator[bytes]:
@@ -151,7 +162,8 @@ def transmittance_pngs(model: str, clear: Clear, rays: Rays, betas: list[str], l
 
 
 @lru_cache(maxsize=8)
-def _rays(camera: Camera, geometry: str) -> Rays:
+def rays_of_camera(camera: Camera, geometry: str) -> Rays:
+    """Rays of a camera; those of the last few are kept."""
     return rays(camera, geometry)
 
 

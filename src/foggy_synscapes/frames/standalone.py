@@ -12,9 +12,15 @@ from foggy_synscapes.betas import beta_name
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.models import MODELS
-from foggy_synscapes.fog.optics import lighter_than_fog
-from foggy_synscapes.frames import by_layout, folders, journal, settings
-from foggy_synscapes.frames.finding import Frame, of_folders, of_synscapes, order
+from foggy_synscapes.fog.optics import (
+    attenuation,
+    denser_than_usual,
+    lighter_than_fog,
+    meteorological_optical_range,
+)  # fmt: skip
+from foggy_synscapes.frames import by_layout, folders, journal, own_frames, settings
+from foggy_synscapes.frames.finding import Frame, of_synscapes, order
+from foggy_synscapes.frames.given import GivenFrame
 from foggy_synscapes.io import lock
 from foggy_synscapes.io.atomic import remove_leftovers
 from foggy_synscapes.io.checksums import Checksums
@@ -29,14 +35,22 @@ SHOWN = 10  # errors and warnings printed in full
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of fog on any frames."""
     by_layout.arguments(parser)
+    own_frames.arguments(parser)
     frames = parser.add_argument_group("frames", "foggy images of any frames; no params file is needed")
     frames.add_argument("--synscapes", type=Path, metavar="ROOT", help="folder with img/rgb, img/depth and meta")
-    frames.add_argument("--rgb", type=Path, metavar="DIR", help="or: folder of 8-bit RGB images")
     frames.add_argument(
-        "--depth", type=Path, metavar="DIR", help="and of their depth: NAME.exr, channel Z, planar metres"
+        "--rgb", metavar="PATH", help="or: 8-bit images, a folder, a pattern such as 'cam*/*.png', a file"
+    )
+    frames.add_argument(
+        "--depth",
+        metavar="PATH",
+        help="and their depth: a folder with the same names, a pattern with as many *, a file",
     )
     frames.add_argument(
         "--beta", action="append", metavar="B", help="attenuation coefficient in 1/m, e.g. 0.005; several: --beta again"
+    )
+    frames.add_argument(
+        "--visibility", action="append", metavar="METRES", help="the same by visibility: 150 is --beta 0.01997"
     )
     frames.add_argument(
         "--out", type=Path, metavar="DIR", help="where to write beta_B/foggy_img/*.png and airlight.csv"
@@ -44,9 +58,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     frames.add_argument("--ids", metavar="LIST", help="frame numbers, e.g. 1-500 or 1,5,9-12 (default: all)")
     frames.add_argument(
         "--camera",
-        type=Path,
-        metavar="FILE",
-        help='one camera for all, JSON: {"camera": {"intrinsic": {...}}} with fx, fy, u0, v0, resx, resy in pixels',
+        metavar="PATH",
+        help="one camera file for all; with --rgb also a folder or a pattern, one for each frame or folder of frames",
     )
     frames.add_argument(
         "--camera-in-depth",
@@ -88,32 +101,56 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, code: str) -> None:
     """Fog the frames that the command line names; `code` is the digest of the code that renders."""
-    betas = betas_of(args.beta or [])
-    for warning in filter(None, (lighter_than_fog(float(beta)) for beta in betas)):
-        print(f"warning: {warning}", file=sys.stderr)
+    betas = betas_of([*(args.beta or []), *of_visibility(args.visibility or [])])
     if args.out is None or not betas:
         raise UsageError(
             "give --beta and --out, and --synscapes, --layout, or --rgb, --depth and --camera (or --shard)"
         )
+    for beta in betas:
+        if float(beta):
+            print(f"fog: beta {beta} / m is a visibility of {meteorological_optical_range(float(beta)):,.3g} m")
+        for warning in filter(None, (lighter_than_fog(float(beta)), denser_than_usual(float(beta)))):
+            print(f"warning: {warning}", file=sys.stderr)
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
-    job = folders.Job(args.out, betas, *options)
+    job, camera = folders.Job(args.out, betas, *options), None
+    found: list[Frame]
     if args.layout is not None:
-        frames, job = by_layout.frames(args, job)
-        fog(checked(frames, args.checksums), job, code, jobs=args.jobs, keep_going=args.keep_going)
-        return
-    by_layout.refuse_without_layout(args)
-    if args.camera and args.camera_in_depth:
-        raise UsageError("--camera and --camera-in-depth: give one of them")
-    if args.camera is not None:
-        read_camera(args.camera)  # one camera for all frames: its errors are said once
-    if args.synscapes is not None and args.rgb is None and args.depth is None:
-        frames = of_synscapes(args.synscapes, args.ids, args.camera, args.camera_in_depth)
-    elif args.synscapes is None and args.rgb and args.depth and (args.camera or args.camera_in_depth):
-        frames = of_folders(args.rgb, args.depth, args.ids, args.camera)
+        found, job = by_layout.frames(args, job)
     else:
-        raise UsageError("give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)")
-    frames = checked(frames, args.checksums)
-    fog(frames, job, code, args.camera, jobs=args.jobs, keep_going=args.keep_going)
+        by_layout.refuse_without_layout(args)
+        if args.camera and args.camera_in_depth:
+            raise UsageError("--camera and --camera-in-depth: give one of them")
+        if args.synscapes is not None and not (args.rgb or args.depth):
+            own_frames.refuse_options(args)
+            camera = Path(args.camera) if args.camera else None
+            if camera is not None:
+                read_camera(camera)  # one camera for all frames: its errors are said once
+            found = of_synscapes(args.synscapes, args.ids, camera, args.camera_in_depth)
+        elif args.rgb and args.synscapes is None:
+            given, job = own_frames.frames(args, job)
+            found = [*given]
+        else:
+            raise UsageError(
+                "give --synscapes ROOT, or --rgb DIR, --depth DIR and --camera FILE (or --camera-in-depth)"
+            )
+    fog(checked(found, args.checksums), job, code, camera, jobs=args.jobs, keep_going=args.keep_going)
+
+
+def of_visibility(texts: list[str]) -> list[str]:
+    """Betas in 1/m of visibilities in metres, to four digits.
+
+    >>> of_visibility(["150"])
+    ['0.01997']
+
+    Raises UsageError if one is no number above 0.
+    """
+    found = []
+    for text in texts:
+        try:
+            found.append(f"{attenuation(float(text)):.4g}")
+        except ValueError:
+            raise UsageError(f"--visibility {text}: expected metres above 0, e.g. 150") from None
+    return found
 
 
 def checked(frames: list[Frame], checksums: Path | None) -> list[Frame]:
@@ -210,6 +247,8 @@ def fog(
 
 def _camera(frames: list[Frame], camera: Path | None) -> str:
     """Where cameras come from; one camera for all counts with its content."""
+    if any(isinstance(frame, GivenFrame) for frame in frames):
+        return "of each frame, or as the settings say"  # what each is made of is noted with its images
     if camera is not None:
         return f"one file, {sha256(camera)[:16]}"
     return "depth files" if all(frame.camera == frame.depth for frame in frames) else "meta files"

@@ -26,13 +26,14 @@ from foggy_synscapes.io.files import named, read_bytes
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 JPEG, START_OF_SCAN, END_OF_IMAGE = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"  # ITU-T T.81, table B.1
-GREY, RGB = 0, 2
+GREY, RGB, RGBA = 0, 2, 6
 KINDS = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
 KNOWN = (b"IHDR", b"PLTE", b"IDAT", b"IEND")  # chunks that a reader of PNG has to know
-SAMPLES = {GREY: 1, RGB: 3}  # of a pixel
+SAMPLES = {GREY: 1, RGB: 3, RGBA: 4}  # of a pixel
 # First row and column, and steps, of the passes of an interlaced image (PNG specification, section 8.2).
 ADAM7 = (0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1)
 LARGEST = 100_000_000  # pixels; a header that claims more is an attack or an accident
+MOST_CHANNELS = 8  # of an EXR at the largest size; of a smaller one more
 LOSSLESS = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "HTJ2K32", "HTJ2K256", "ZSTD")  # compressions of EXR
 AGAIN = "Fetch or make the file again."
 _thread = threading.local()
@@ -64,10 +65,7 @@ def read_rgb(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
     """
     data, name = _bytes(source, name)
     if data[:8] != SIGNATURE and not isinstance(source, bytes):
-        # OpenImageIO's decoder fills what is missing with grey. Within a scan, FF is never followed by D9.
-        if data[:3] == JPEG and data.rfind(END_OF_IMAGE) < data.rfind(START_OF_SCAN):
-            raise FoggyError(f"{name}: cut off at {len(data)} bytes. {AGAIN}")
-        return _read_other_rgb(Path(source), name)
+        return read_other(data, Path(source), name)
     return _read_png(data, name, 8, RGB, "Convert it to 8-bit RGB without alpha.")
 
 
@@ -80,6 +78,11 @@ def read_ids(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
 def read_grey16(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
     """Read a 16-bit grey PNG, such as a disparity map: uint16 (H, W). Raises FoggyError as `read_rgb` does."""
     return _read_png(*_bytes(source, name), 16, GREY, "An 8-bit copy has lost its precision.")
+
+
+def read_rgba(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
+    """Read an 8-bit RGB PNG with alpha: uint8 (H, W, 4). Raises FoggyError as `read_rgb` does."""
+    return _read_png(*_bytes(source, name), 8, RGBA, "Convert it.")
 
 
 def read_depth(source: Path | str | bytes, name: str | None = None) -> np.ndarray:
@@ -96,6 +99,20 @@ def read_depth(source: Path | str | bytes, name: str | None = None) -> np.ndarra
     if depth.dtype != np.float32:
         raise FoggyError(f"{name}: channel Z is {depth.dtype}, expected float32: rounded depth changes pixels")
     return depth
+
+
+def read_exr_channel(source: Path | str | bytes, name: str | None = None, channel: str = "") -> np.ndarray:
+    """Read one channel of floating point of an EXR file: float32 or float16 (H, W), values as they are stored.
+
+    channel : its name; where it is empty, the only one, or Z
+
+    Raises FoggyError as `read_depth` does, and if there is no such channel of floating point.
+    """
+    data, name = _bytes(source, name)
+    values = _read_exr(data, name, header_only=False, channel=channel)
+    if values.dtype.kind != "f":
+        raise FoggyError(f"{name}: channel {channel or 'Z'} is {values.dtype}, expected floating point")
+    return values
 
 
 def read_depth_header(source: Path | str | bytes, name: str | None = None) -> dict[str, Any]:
@@ -232,14 +249,25 @@ def _read_png(data: bytes, name: str, bits: int, kind: int, hint: str) -> np.nda
     try:
         if bits == 16:  # libspng adds an alpha channel to 16-bit grey
             return np.ascontiguousarray(pyspng.load(data)[..., 0])
-        return pyspng.load(data, "RGB" if kind == RGB else "L")
+        return pyspng.load(data, {GREY: "L", RGB: "RGB", RGBA: "RGBA"}[kind])
     except RuntimeError as error:
         raise FoggyError(f"{name}: cannot be decoded: {error}. {AGAIN}") from error
 
 
-def _read_other_rgb(path: Path, name: str) -> np.ndarray:
+def read_other(
+    data: bytes, path: Path, name: str, channels: tuple[int, ...] = (3,), types: tuple[str, ...] = ("uint8",)
+) -> np.ndarray:
+    """Read a file in any format of OpenImageIO, values as they are stored: (H, W, C).
+
+    data : of the file at `path`; channels, types : numbers of channels and types of samples that may be
+
+    Raises FoggyError, calling it `name`, if it is damaged, larger than 100 megapixels, or of another kind.
+    """
     import OpenImageIO as oiio
 
+    # Its decoder of JPEG fills what is missing with grey. Within a scan, FF is never followed by D9.
+    if data[:3] == JPEG and data.rfind(END_OF_IMAGE) < data.rfind(START_OF_SCAN):
+        raise FoggyError(f"{name}: cut off at {len(data)} bytes. {AGAIN}")
     reader = oiio.ImageInput.open(str(path))
     if not reader:
         raise FoggyError(f"{name}: not a readable image: {oiio.geterror().strip()}. {AGAIN}")
@@ -248,9 +276,10 @@ def _read_other_rgb(path: Path, name: str) -> np.ndarray:
         _check_size(spec.width, spec.height, name)
         # Colours of printing inks come out as three channels, in colours of no stated kind.
         kind = "CMYK" if spec.get_string_attribute("jpeg:ColorSpace") == "CMYK" else f"{spec.nchannels} channels"
-        if (kind, str(spec.format)) != ("3 channels", "uint8"):
-            raise FoggyError(f"{name}: {kind} of {spec.format}, expected 3 channels of uint8. Convert it.")
-        pixels, problem = reader.read_image("uint8"), reader.geterror()
+        if kind not in (f"{number} channels" for number in channels) or str(spec.format) not in types:
+            expected = f"{' or '.join(map(str, channels))} channel{'s' * (channels != (1,))} of {' or '.join(types)}"
+            raise FoggyError(f"{name}: {kind} of {spec.format}, expected {expected}. Convert it.")
+        pixels, problem = reader.read_image(str(spec.format)), reader.geterror()
         if pixels is None or problem:  # where a part is missing, it is grey
             raise FoggyError(f"{name}: cannot be decoded: {problem}. {AGAIN}")
         return pixels
@@ -263,36 +292,46 @@ def _check_size(width: int, height: int, name: str) -> None:
         raise FoggyError(f"{name}: claims {width} x {height} pixels, expected 1 to {LARGEST // 10**6} million")
 
 
-def _read_exr(data: bytes, name: str, header_only: bool) -> Any:
-    """Header or depth of an EXR file; the header is checked first."""
+def _read_exr(data: bytes, name: str, header_only: bool, channel: str | None = None) -> Any:
+    """Header or a channel of an EXR file; the header is checked first. No channel at all: Z has to be the only one."""
     import OpenEXR
 
     try:
         with _silence(), named(name, "EXR file", AGAIN):
             file = OpenEXR.File(io.BytesIO(data), header_only=True, num_threads=0)
             header = file.header()
-            _check_exr(header, len(file.parts), name)
-            return header if header_only else OpenEXR.File(io.BytesIO(data), num_threads=0).channels()["Z"].pixels
+            channel = _checked_channel(header, len(file.parts), channel, name)
+            if header_only:
+                return header
+            apart = len(header["channels"]) > 1
+            whole = OpenEXR.File(io.BytesIO(data), separate_channels=apart, num_threads=0)
+            return whole.channels()[channel].pixels
     except RuntimeError as error:  # what its library raises by itself
         raise FoggyError(f"{name}: not a readable EXR file: {error}. {AGAIN}") from error
 
 
-def _check_exr(header: dict, parts: int, name: str) -> None:
-    channels = [channel.name for channel in header["channels"]]
+def _checked_channel(header: dict, parts: int, wanted: str | None, name: str) -> str:
+    """The channel to read; FoggyError if there is none, or the file is not plain and without loss."""
+    channels = {channel.name: channel for channel in header["channels"]}
     compression, storage = header["compression"].name.removesuffix("_COMPRESSION"), header["type"].name
     if parts != 1 or storage not in ("scanlineimage", "tiledimage"):
         raise FoggyError(f"{name}: {parts} parts of the kind {storage}, expected one plain image")
-    if channels != ["Z"]:
-        found = f"{len(channels)} channels" if len(channels) > 3 else f"channel {', '.join(channels) or 'none'}"
+    found = f"{len(channels)} channels" if len(channels) > 3 else f"channel {', '.join(channels) or 'none'}"
+    if wanted is None and [*channels] != ["Z"]:
         raise FoggyError(f"{name}: {found}, expected 1 named Z. Is this the colour preview?")
+    chosen = wanted or (next(iter(channels)) if len(channels) == 1 else "Z")
+    if chosen not in channels:
+        listed = ", ".join([*channels][:12])
+        raise FoggyError(f"{name}: no channel {chosen}; name the one of depth by --depth-channel, out of {listed}")
     if compression not in LOSSLESS:
         raise FoggyError(f"{name}: compressed by {compression}, which rounds depth. Write it anew by ZIP.")
-    if (header["channels"][0].xSampling, header["channels"][0].ySampling) != (1, 1):
-        raise FoggyError(f"{name}: channel Z has not all pixels of its image, expected a sampling of 1")
+    if (channels[chosen].xSampling, channels[chosen].ySampling) != (1, 1):
+        raise FoggyError(f"{name}: channel {chosen} has not all pixels of its image, expected a sampling of 1")
     (left, top), (right, bottom) = (corner.tolist() for corner in header["dataWindow"])
-    _check_size(right - left + 1, bottom - top + 1, name)
+    _check_size(right - left + 1, (bottom - top + 1) * max(1, len(channels) // MOST_CHANNELS), name)
     if not all(map(np.array_equal, header["dataWindow"], header["displayWindow"])):
         raise FoggyError(f"{name}: a part of its image only (data window {left}, {top} to {right}, {bottom})")
+    return chosen
 
 
 def _chunk(kind: bytes, data: bytes) -> tuple[bytes, ...]:

@@ -13,11 +13,12 @@ from foggy_synscapes.params.complete import Complete
 from foggy_synscapes.params.fog import Fog, Subset, subset_model
 from foggy_synscapes.params.names import Device, Folder, RowName, TestSet
 from foggy_synscapes.params.scenes import Filter, Scenes, scenes_model
+from foggy_synscapes.params.stereo import StereoErrors
 from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG, MADE
+from foggy_synscapes.subsets.kind import IMAGES
 from foggy_synscapes.training.policy import Policy
 
 Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
@@ -143,6 +144,9 @@ class Params(Section):
     scenes: Scenes
     filter: Filter
     complete: Complete | None = setting("fog on Cityscapes made here, from stereo; null: none is", default=None)
+    stereo: StereoErrors | None = setting(
+        "a simulated stereo camera, by whose depth Synscapes is fogged too; null: none", default=None
+    )
     fog: Fog
     subset: Subset
     train: Train
@@ -182,9 +186,22 @@ class Params(Section):
                 f"complete.betas: has {', '.join(sorted(made)) or 'none'}, but the lists of fog that is made, such as "
                 f"subset.made, ask for {', '.join(sorted(asked_for)) or 'none'}; they have to be the same"
             )
+        completed = self.subset.of_completed_depth()
+        if bool(completed) != (self.stereo is not None):
+            raise ValueError(
+                f"stereo: {'missing' if completed else 'there'}, but subset.completed has "
+                f"{', '.join(completed) or 'none'}; both go together"
+            )
+        for row, entry in completed.items():
+            ends = self.fog.frames.first, self.fog.frames.last
+            if entry.beta not in self.fog.betas or entry.train > ends[0] or entry.validation > ends[1]:
+                raise ValueError(
+                    f"subset.completed.{row}: fog.betas and fog.frames are those of the rows that it is compared with; "
+                    "its beta has to be among them, and its frames not more"
+                )
         names = [name for rows in self.subset.kinds().values() for name in rows]
         read = {name for kind, rows in self.subset.kinds().items() if rows for name in KINDS[kind].reads}
-        read -= {FOG, MADE}
+        read -= IMAGES
         read |= {"cityscapes_stereo"} if self.complete else set()
         absent = sorted({*read, *self.evaluate.test_sets, self.tradeoff.test_set} - set(self.scenes.roots))
         if absent:

@@ -8,7 +8,7 @@ from pydantic import Field, create_model, model_validator
 from foggy_synscapes.params.names import FogModelName, RowName
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import FOG, MADE, FoggyRow, Row
+from foggy_synscapes.subsets.kind import COMPLETED, FOG, MADE, FoggyRow, Row
 
 
 class Ends(Section):
@@ -81,6 +81,10 @@ class Subset(Section):
     def made_here(self) -> dict[str, FoggyRow]:
         """The lists of fog on Cityscapes that is made here, by row name."""
         return self._reading(MADE)
+
+    def of_completed_depth(self) -> dict[str, FoggyRow]:
+        """The lists of Foggy Synscapes of completed depth by row name."""
+        return self._reading(COMPLETED)
 
     def _reading(self, images: str) -> dict[str, FoggyRow]:
         kinds = [rows for kind, rows in self.kinds().items() if images in KINDS[kind].reads]

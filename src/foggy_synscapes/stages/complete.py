@@ -12,6 +12,7 @@ from foggy_synscapes.errors import UsageError
 from foggy_synscapes.fog.airlight import estimate
 from foggy_synscapes.fog.geometry import GEOMETRIES
 from foggy_synscapes.frames import by_layout, folders, standalone
+from foggy_synscapes.frames.asked import asked_frames
 from foggy_synscapes.frames.comparing import compare
 from foggy_synscapes.frames.layouts import LAYOUTS
 from foggy_synscapes.frames.stereo_shards import DATASET, Indexed, depth, depth_name
@@ -51,6 +52,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it")
     job.add_argument("--shard", metavar="NAME", help="shard of Cityscapes' stereo frames, e.g. 0000")
+    job.add_argument(
+        "--synscapes-shard", metavar="NAME", help="shard of Synscapes, as a simulated stereo camera measures it"
+    )
 
 
 def run(args: argparse.Namespace) -> None:
@@ -58,12 +62,15 @@ def run(args: argparse.Namespace) -> None:
     if args.compare is not None:
         print(f"complete: {compare(*args.compare)}")
         return
-    if args.shard is not None:
+    if args.shard is not None or args.synscapes_shard is not None:
         if args.layout is not None or args.out is not None:
             raise UsageError("--layout and --out are not for jobs of the pipeline (--shard)")
         from foggy_synscapes.params import load
 
-        complete(load(args.params), args.shard)
+        if args.synscapes_shard is not None:
+            complete_synscapes(load(args.params), args.synscapes_shard)
+        else:
+            complete(load(args.params), args.shard)
         return
     if args.out is None or args.layout is None:
         raise UsageError("give --layout cityscapes, --root and --out (or --shard)")
@@ -111,3 +118,37 @@ def complete(params: "Params", shard: str) -> None:
     run.finish()
     shutil.rmtree(finished)
     print(f"complete: depth of {len(rows)} frames of shard {shard}")
+
+
+def complete_synscapes(params: "Params", shard: str) -> None:
+    """Write the shard of depth that a simulated stereo camera has of some frames of Synscapes, and its manifest.
+
+    Frames that an interrupted run of the same job finished are kept.
+
+    Raises FoggyError if there is no such job, or a file is missing, damaged or not as indexed, or has no depth.
+    """
+    from foggy_synscapes.frames import of_completed_depth
+    from foggy_synscapes.provenance import unfinished
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
+
+    stereo = params.stereo
+    if stereo is None or shard not in params.scenes.shards:
+        raise UsageError(f"--synscapes-shard {shard}: not in scenes.shards, or there is no section stereo")
+    run = Run(job(params, "complete_synscapes", shard=shard))
+    finished = unfinished.folder_of(run)
+    cameras = asked_frames(params, shard, run.job.input("kept"))
+    frames = of_completed_depth.Indexed(root(params, "synscapes"), read_index(run.job.input("index")), cameras)
+
+    def members() -> Iterator[tuple[str, bytes]]:
+        made = of_completed_depth.depths(frames, stereo.errors(), stereo.seed, stereo.superpixels)
+        for name, make in progress(made, f"complete synscapes {shard}", total=len(cameras), unit="frame"):
+            if not is_whole_npz(finished / name):
+                write_bytes(finished / name, make())
+            yield name, (finished / name).read_bytes()
+
+    write_manifest(run.job.output("manifest"), write_shard(run.job.output("shard"), members()))
+    run.finish()
+    shutil.rmtree(finished)
+    print(f"complete: depth of {len(cameras)} frames of Synscapes' shard {shard}, as from a stereo camera")

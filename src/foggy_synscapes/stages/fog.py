@@ -7,18 +7,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from foggy_synscapes.camera import Camera
+import numpy as np
+
 from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.datasets.index import read_index
+from foggy_synscapes.depth import quality
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.frames import rendering, standalone
+from foggy_synscapes.frames.asked import asked_frames
 from foggy_synscapes.frames.layouts import LAYOUTS, Wanted
 from foggy_synscapes.io.atomic import write_bytes
 from foggy_synscapes.io.files import named, read_bytes
 from foggy_synscapes.io.images import is_whole_png, read_rgb
 from foggy_synscapes.io.progress import progress
-from foggy_synscapes.io.shards import write_manifest, write_shard
+from foggy_synscapes.io.shards import Shard, write_manifest, write_shard
 from foggy_synscapes.io.tables import read_csv, write_csv
 from foggy_synscapes.provenance import source_digest
 
@@ -37,12 +40,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job = parser.add_argument_group("pipeline", "one job, as params.yaml describes it; with one --beta or --airlight")
     job.add_argument("--shard", metavar="NAME", help="shard of Synscapes, e.g. 0000")
     job.add_argument("--stereo", metavar="NAME", help="shard of Cityscapes' stereo frames, e.g. 0000")
+    job.add_argument("--completed", metavar="NAME", help="shard of Synscapes whose depth was completed, e.g. 0000")
     job.add_argument("--airlight", action="store_true", help="estimate the atmospheric light only")
 
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    if args.shard is not None or args.stereo is not None or args.airlight:
+    if args.airlight or any(name is not None for name in (args.shard, args.stereo, args.completed)):
         _run_job(args)
     else:
         layout = (f"layouts.{args.layout}",) if args.layout else ()
@@ -62,6 +66,11 @@ def _run_job(args: argparse.Namespace) -> None:
         if args.shard is not None or args.airlight or len(betas) != 1:
             raise UsageError("--stereo goes with one --beta")
         fog_made(load(args.params), betas[0], args.stereo)
+        return
+    if args.completed is not None:
+        if args.shard is not None or args.airlight or len(betas) != 1:
+            raise UsageError("--completed goes with one --beta")
+        fog_completed(load(args.params), betas[0], args.completed)
         return
     if args.shard is None or bool(betas) == args.airlight or len(betas) > 1:
         raise UsageError("a job of the pipeline has --shard and either --airlight or one --beta")
@@ -86,7 +95,7 @@ def airlight(params: "Params", shard: str) -> None:
     treatment, rows = params.fog.blue_airlight, []
     rendering.keep_memory()
     index, folder = read_index(run.job.input("index")), root(params, "synscapes")
-    frames = _frames(params, shard, run.job.input("kept"))
+    frames = asked_frames(params, shard, run.job.input("kept"))
     for frame in progress(frames, f"fog airlight {shard}", unit="frame"):
         path = synscapes.rgb(frame)
         image = read_rgb(rendering.read_indexed(folder, path, index), str(folder / path))
@@ -160,6 +169,38 @@ def fog_made(params: "Params", beta: str, shard: str) -> None:
     print(f"fog: {len(lights)} images of shard {shard} made at beta {beta} / m")
 
 
+def fog_completed(params: "Params", beta: str, shard: str) -> None:
+    """Write a shard of Foggy Synscapes of completed depth, its manifest, and its errors by class and distance.
+
+    Raises FoggyError if there is no such job, or a file is missing, damaged or not as indexed.
+    """
+    from foggy_synscapes.frames import of_completed_depth
+    from foggy_synscapes.labels import CLASSES
+    from foggy_synscapes.provenance.runs import Run
+    from foggy_synscapes.results import root
+    from foggy_synscapes.steps import job
+
+    run = Run(job(params, "fog_completed", beta=beta, completed=shard))
+    lights = _lights(run.job.input("airlight"))
+    cameras = asked_frames(params, shard, run.job.input("kept"))
+    cameras = {frame: camera for frame, camera in cameras.items() if lights[frame][1] != rendering.DROP}
+    frames = of_completed_depth.Indexed(root(params, "synscapes"), read_index(run.job.input("index")), cameras)
+    sums = np.zeros((len(CLASSES) + 1, len(quality.GROUPS), len(quality.SUMS)))
+    with Shard(run.job.input("depth")) as depth:
+        levels = {frame: lights[frame][0].levels for frame in cameras}
+        made = of_completed_depth.foggy(frames, depth, levels, beta, params.fog.geometry, params.fog.png_level)
+
+        def images() -> Iterator[tuple[str, bytes]]:
+            for name, data, errors in progress(made, f"fog completed {beta} {shard}", total=len(cameras), unit="frame"):
+                sums[:] += errors
+                yield name, data
+
+        write_manifest(run.job.output("manifest"), write_shard(run.job.output("shard"), images()))
+    write_csv(run.job.output("errors"), of_completed_depth.COLUMNS, of_completed_depth.rows(sums))
+    run.finish()
+    print(f"fog: {len(cameras)} images of shard {shard} of completed depth at beta {beta} / m")
+
+
 def _members(job: "Job", finished: Path, dropped: list[int]) -> Iterator[tuple[str, bytes]]:
     """File names and contents of a shard's foggy images, sorted by name; ids of frames left out go to `dropped`."""
     from foggy_synscapes.frames import recipes
@@ -168,7 +209,7 @@ def _members(job: "Job", finished: Path, dropped: list[int]) -> Iterator[tuple[s
     params, beta, shard, kept = job.params, job.values["beta"], job.values["shard"], job.input("kept")
     lights = _lights(job.input("airlight"))
     index, folder = read_index(job.input("index")), root(params, "synscapes")
-    for frame, camera in progress(_frames(params, shard, kept).items(), f"fog {beta} {shard}", unit="frame"):
+    for frame, camera in progress(asked_frames(params, shard, kept).items(), f"fog {beta} {shard}", unit="frame"):
         if frame not in lights:
             raise FoggyError(f"{job.input('airlight')}: no frame {frame}. Run foggy fog --airlight --shard {shard}")
         light, treatment = lights[frame]
@@ -197,17 +238,3 @@ def _lights(table: Path) -> dict[int, tuple[Airlight, str]]:
         return {
             int(row["id"]): (Airlight(*(int(row[column]) for column in COLUMNS[1:6])), row["treatment"]) for row in rows
         }
-
-
-def _frames(params: "Params", shard: str, kept: Path) -> dict[int, Camera]:
-    """Cameras of the frames of a shard that fog.frames asks for: the first and the last kept ones."""
-    rows, ends = read_csv(kept, ("id", "fx", "fy", "u0", "v0", "resx", "resy")), params.fog.frames
-    if ends.first + ends.last > len(rows):
-        raise FoggyError(
-            f"fog.frames: asks for the first {ends.first} and the last {ends.last} kept frames, "
-            f"but the filter kept {len(rows)}. Ask for fewer, loosen filter.rules, or add frames."
-        )
-    here = synscapes.shard_frames(shard, params.scenes.shard_frames)
-    with named(kept, "table of frames"):
-        asked = {int(row["id"]): row for row in (*rows[: ends.first], *rows[len(rows) - ends.last :])}
-        return {frame: synscapes.camera_of(row) for frame, row in sorted(asked.items()) if frame in here}

@@ -6,13 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from foggy_synscapes.datasets import DATASETS, test_sets
+from foggy_synscapes.depth.quality import SUMS
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.io.atomic import write_text
+from foggy_synscapes.io.files import named
+from foggy_synscapes.io.tables import read_csv
 from foggy_synscapes.params import Params, load
 from foggy_synscapes.provenance.runs import Run
 from foggy_synscapes.scoring.metrics import read_scores
 from foggy_synscapes.steps import job
-from foggy_synscapes.tables import formats, ours
+from foggy_synscapes.tables import depth_quality, formats, ours
 from foggy_synscapes.tables.ours import annotated_classes, collect
 from foggy_synscapes.tables.paper import published_csv, published_table
 from foggy_synscapes.tables.published import TEST_SETS as PUBLISHED
@@ -33,6 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--published", action="store_true", help="make both tables of the paper from its numbers instead"
     )
+    parser.add_argument("--depth", action="store_true", help="make the table of errors of completed depth instead")
     parser.add_argument("--out", type=Path, metavar="DIR", help="with --published: folder to write to")
 
 
@@ -42,6 +46,10 @@ def run(args: argparse.Namespace) -> None:
         if args.test_set or args.paper or not args.out:
             raise UsageError("--published makes both tables of the paper: give --out DIR, and no --test-set or --paper")
         published(args.out)
+    elif args.depth:
+        if args.test_set or args.paper or args.out:
+            raise UsageError("--depth makes the one table of completed depth: give no other option")
+        depth(load(args.params))
     elif args.test_set and not args.out:
         params = load(args.params)
         if args.test_set not in (known := test_sets()):
@@ -62,6 +70,24 @@ def published(out: Path) -> None:
         write_text(out / f"{test_set}.tex", formats.latex([table], "Made by foggy tables --published."))
         write_text(out / f"{test_set}.md", formats.markdown([table]))
         print(f"{out / test_set}.tex, .csv and .md: {len(rows)} published rows")
+
+
+def depth(params: Params) -> None:
+    """Write results/tables/depth_quality.csv and .md from the errors of all shards.
+
+    Raises FoggyError if the params ask for no such table, or a file is missing or damaged.
+    """
+    if params.stereo is None:
+        raise UsageError("--depth: there is no section stereo in the params")
+    run = Run(job(params, "tables_depth"))
+    columns, lines = ("class", "distance", *SUMS), []
+    for beta in params.fog.betas:
+        own = [run.job.one("errors", beta=beta, shard=shard) for shard in params.scenes.shards]
+        with named(own[0].parent, "folder of tables of errors"):
+            lines += depth_quality.collect(beta, [line for path in own for line in read_csv(path, columns)])
+    run.write(csv=depth_quality.csv_text(lines), md=depth_quality.markdown(lines, params.stand_in))
+    run.finish()
+    print(f"tables: errors of completed depth; see {run.job.output('md')}")
 
 
 def tables(params: Params, test_set: str, paper: bool = False) -> None:

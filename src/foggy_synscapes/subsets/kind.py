@@ -16,9 +16,10 @@ Line = tuple[str, str, str, str]
 """URI of an image, its SHA-256, URI of its label map, its SHA-256."""
 Lists = tuple[list[Line], list[Line]]
 """The training and the validation list."""
-FOG, MADE = "fog", "made"
-"""In `Kind.reads`: the kept frames and the shards of Foggy Synscapes at the entry's beta; the shards of Foggy
-Cityscapes made here at that beta."""
+FOG, MADE, COMPLETED = "fog", "made", "completed"
+"""In `Kind.reads`, each at the entry's beta: the kept frames and the shards of Foggy Synscapes; the shards of Foggy
+Cityscapes made here; the kept frames and the shards of Foggy Synscapes of completed depth."""
+IMAGES = {FOG, MADE, COMPLETED}
 
 
 class Sources:
@@ -46,7 +47,7 @@ class Sources:
     def foggy(self, made: str = FOG) -> dict[str, tuple[str, str]]:
         """Shard and SHA-256 by name of each foggy image, or of its recipe, at the beta of the list.
 
-        made : what is read, FOG or MADE
+        made : what is read, one of IMAGES
         """
         return {
             member.name: (path.stem, member.sha256) for path in self._inputs(made) for member in read_manifest(path)
@@ -77,8 +78,8 @@ class Kind:
     """A kind of list.
 
     text : what its lists are, in a few words
-    entry : model of an entry in the params section `subset`; a FoggyRow where FOG or MADE is read
-    reads : datasets whose indexes it reads, FOG and MADE
+    entry : model of an entry in the params section `subset`; a FoggyRow where one of IMAGES is read
+    reads : datasets whose indexes it reads, and IMAGES
     lists : (sources, entry, its dotted key in the params) -> lists; FoggyError if there is less than is asked for
     keys : dotted keys of params that it reads beside the entry
     order : place among the kinds in a params file
@@ -92,7 +93,7 @@ class Kind:
     order: int = 9
 
     def __post_init__(self) -> None:
-        if {FOG, MADE} & {*self.reads} and not issubclass(self.entry, FoggyRow):
+        if IMAGES & {*self.reads} and not issubclass(self.entry, FoggyRow):
             raise ValueError(f"entry: {self.entry.__name__} has no beta, by which fog is read; derive it from FoggyRow")
 
 

@@ -1,5 +1,7 @@
 """Lists of Foggy Synscapes images: purely synthetic."""
 
+from collections.abc import Callable, Mapping
+
 from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
@@ -8,7 +10,21 @@ from foggy_synscapes.subsets.kind import FOG, FoggyRow, Kind, Lists, Sources
 
 def lists(sources: Sources, entry: FoggyRow, key: str) -> Lists:
     """The first kept frames for training, the last for validation (paper, sections IV.A and IV.B)."""
-    index, members, kept = sources.index("synscapes"), sources.foggy(), sources.kept()
+    return listed(sources, entry, key, sources.foggy(), uris.of_fog)
+
+
+def listed(
+    sources: Sources,
+    entry: FoggyRow,
+    key: str,
+    members: Mapping[str, tuple[str, str]],
+    uri: Callable[[str, str, str], str],
+) -> Lists:
+    """The lists of `lists`, of any foggy images of Synscapes.
+
+    members : shard and SHA-256 of each image by name; uri : of beta, shard and name
+    """
+    index, kept = sources.index("synscapes"), sources.kept()
     asked = entry.train + entry.validation
     if asked > len(kept):
         raise FoggyError(
@@ -29,9 +45,7 @@ def lists(sources: Sources, entry: FoggyRow, key: str) -> Lists:
             label = synscapes.class_(frame)
             expect(index, [label], "synscapes")
             shard, digest = members[name]
-            lines.append(
-                (uris.of_fog(entry.beta, shard, name), digest, uris.of_dataset("synscapes", label), index[label])
-            )
+            lines.append((uri(entry.beta, shard, name), digest, uris.of_dataset("synscapes", label), index[label]))
         result.append(lines)
     return result[0], result[1]
 

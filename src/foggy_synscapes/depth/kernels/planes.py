@@ -35,12 +35,15 @@ def pixels_of_segments(labels, count):
 
 
 @jit
-def fit_segments(depth, unreliable, begin, rows, columns, seed, planes, states, rounds, inliers):
+def fit_segments(
+    depth, unreliable, begin, rows, columns, seed, planes, states, rounds, inliers, least_share=LEAST_SHARE
+):
     """Planes of the segments that have enough reliable depth; fills these segments. Returns how many draws it took.
 
     depth : float64 (H, W), metres, filled in place; unreliable : bool (H, W)
     begin, rows, columns : of `pixels_of_segments`
     planes : float64 (K, 3), states : uint8 (K,), rounds, inliers : int32 (K,), 0 where there was no RANSAC; written
+    least_share : of a segment's pixels that have to be reliable
     """
     count = begin.size - 1
     most = 0
@@ -62,7 +65,7 @@ def fit_segments(depth, unreliable, begin, rows, columns, seed, planes, states, 
             else:
                 infinite += 1
         known, size = finite + infinite, begin[k + 1] - begin[k]
-        if known < LEAST_KNOWN or known < LEAST_SHARE * size:
+        if known < LEAST_KNOWN or known < least_share * size:
             continue
         if infinite <= finite:
             if _on_a_line(x[:finite], y[:finite]):  # no three points span a plane

@@ -170,4 +170,10 @@ def _frames(request: Request, refine: str) -> list[Frame]:
     ]
 
 
-LAYOUT = Layout(text="Cityscapes, depth completed from stereo", fog=fog, complete=complete, members=members)
+LAYOUT = Layout(
+    text="depth completed from stereo",
+    fog=fog,
+    complete=complete,
+    members=members,
+    takes=("split", "list", "depth_from", "refine", "seed"),
+)

@@ -1,7 +1,8 @@
 """What a layout offers: frames of a dataset as it unpacks, and fog on them under its published names."""
 
+import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from foggy_synscapes.frames.finding import Frame
@@ -15,6 +16,7 @@ class Request:
     root : folder of the dataset; splits : its parts, all where there is none; listed : file that names frames
     depth_from, refine : where depth comes from and how transmittance is refined; None: the layout's defaults
     seed : of random permutations, None: the published one
+    options : of the command line, out of those that the layout takes
     """
 
     root: Path
@@ -23,6 +25,7 @@ class Request:
     depth_from: str | None = None
     refine: str | None = None
     seed: int | None = None
+    options: argparse.Namespace = field(default_factory=argparse.Namespace)
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Layout:
     fog : (request, what fog on plain folders would do) -> frames, and what is to be made of each
     complete : the same for depth, where the layout has none of its own
     members : foggy images for a shard, sorted by name; only of a layout whose depth is completed
+    takes : options of the command line that it takes beside those of all, e.g. "split"
 
     The first two raise UsageError where the request makes no sense, and FoggyError where there is no frame.
     """
@@ -64,3 +68,4 @@ class Layout:
     fog: Callable[[Request, Job], tuple[list[Frame], Job]]
     complete: Callable[[Request, Job], tuple[list[Frame], Job]] | None = None
     members: Callable[[Wanted], Iterator[Member]] | None = None
+    takes: tuple[str, ...] = ()
