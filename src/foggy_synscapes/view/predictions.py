@@ -40,7 +40,8 @@ def predictions_page(title: str, rows: Sequence[Row], images: Iterable[Shown], s
 
     Raises ValueError where there is no image or no row, or a prediction is of another size than its image.
     """
-    shown, blobs = [], {}
+    shown: list[Mapping[str, Any]] = []
+    blobs: dict[str, str] = {}
     for number, image in enumerate(images):
         shown.append(_facts(image))
         blobs |= dict(_blobs(number, image))
