@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -100,3 +102,14 @@ def test_a_finished_run_becomes_a_page_of_its_rows(tmp_path: Path, monkeypatch, 
     assert "no predictions on foggy_driving" in capsys.readouterr().err
     assert main(["view", "--results", "--test-set", "cityscapes"]) == 2
     assert "evaluate.test_sets has foggy_driving, foggy_zurich" in capsys.readouterr().err
+
+
+def test_a_frame_is_looked_at_without_what_the_experiment_needs(frame: list[str], tmp_path: Path) -> None:
+    unneeded = ("dvc", "jinja2", "matplotlib", "pandas", "snakemake", "torch")
+    script = (
+        f"import sys; sys.modules.update(dict.fromkeys({unneeded!r}))\n"  # to import one of them is an error
+        f"from foggy_synscapes.cli import main; sys.exit(main({[*frame, '--out', str(tmp_path / 'frame.html')]!r}))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "frame.html").is_file()
