@@ -15,7 +15,7 @@ from foggy_synscapes.fog.optics import foggy_images, transmittance_images
 from foggy_synscapes.frames.rendering import read_camera
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.io.images import read_depth, read_rgb
-from foggy_synscapes.io.jpeg import encode_jpeg
+from foggy_synscapes.io.pictures import encode_jpeg
 from foggy_synscapes.labels import IGNORE, PALETTE
 from foggy_synscapes.view.colours import RIGHT, SAFE, WRONG
 from foggy_synscapes.view.frame import BETAS, frame_page

@@ -90,21 +90,38 @@ class GivenJob(folders.Job):
     def open(self, frame: Frame) -> tuple[str, folders.Make]:
         """Read a frame's files; what makes it raises FoggyError where they cannot be understood or do not fit."""
         assert isinstance(frame, GivenFrame)
+        contents, found = self._contents(frame)
+        camera = vars(found) if isinstance(found, Intrinsics) else found
+        about = sha256_bytes(contents[frame.rgb]), sha256_bytes(contents[frame.depth]), camera
+        of = sha256_bytes(json.dumps(about).encode())
+        return of, partial(self._make, frame, contents[frame.rgb], contents[frame.depth], found)
+
+    def clear(self, frame: GivenFrame) -> tuple[rendering.Clear, Rays, list[str]]:
+        """A frame as read, the rays of its camera, and what may be wrong with it; raises FoggyError as `open` does."""
+        contents, found = self._contents(frame)
+        return self._clear(frame, contents[frame.rgb], contents[frame.depth], found)
+
+    def _contents(self, frame: GivenFrame) -> tuple[dict[Path, bytes], Intrinsics | float | None]:
+        """The bytes of a frame's files, and its camera or angle of view."""
         contents = {path: folders.read_input(frame, path, n) for n, path in enumerate(frame.files())}
         found: Intrinsics | float | None = self.intrinsics
         if found is None and frame.camera != frame.depth:
             found = parse(contents[frame.camera], frame.camera, frame.rgb)
         if found is None and frame.in_depth:
             found = Intrinsics(**vars(rendering.read_camera(frame.depth)))
-        camera = vars(found) if isinstance(found, Intrinsics) else found
-        about = sha256_bytes(contents[frame.rgb]), sha256_bytes(contents[frame.depth]), camera
-        of = sha256_bytes(json.dumps(about).encode())
-        return of, partial(self._make, frame, contents[frame.rgb], contents[frame.depth], found)
+        return contents, found
 
     def _make(
         self, frame: Frame, rgb: bytes, depth: bytes, about: Intrinsics | float | None, wanted: set[Path],
         done: folders.Done,
     ) -> None:  # fmt: skip
+        clear, rays, warnings = self._clear(frame, rgb, depth, about)
+        folders.render(frame, self, clear, rays, wanted, done)
+        done.warnings = warnings + done.warnings
+
+    def _clear(
+        self, frame: Frame, rgb: bytes, depth: bytes, about: Intrinsics | float | None
+    ) -> tuple[rendering.Clear, Rays, list[str]]:
         image, stored = read_picture(rgb, frame.rgb), read_stored(depth, frame.depth, self.channel)
         _same_size(image, stored, frame)
         found = of_fov(about, image.shape) if isinstance(about, float) else about
@@ -120,9 +137,7 @@ class GivenJob(folders.Job):
                     f"{camera.resx} x {camera.resy} pixels. Is it the camera of this resolution?"
                 )
             rays = rendering.rays_of_camera(camera, self.geometry)
-        clear = rendering.Clear(image, metres, str(frame.rgb), str(frame.depth), 0)
-        folders.render(frame, self, clear, rays, wanted, done)
-        done.warnings = warnings + done.warnings
+        return rendering.Clear(image, metres, str(frame.rgb), str(frame.depth), 0), rays, warnings
 
     def _metres(
         self, image: np.ndarray, stored: np.ndarray, camera: Intrinsics | None, frame: Frame

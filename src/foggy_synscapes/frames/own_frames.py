@@ -23,8 +23,11 @@ OPTIONS = (
 """What only frames of any origin take."""
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say what depth means, and of which camera it is."""
+def arguments(parser: argparse.ArgumentParser, images: bool = True) -> None:
+    """Add the options that say what depth means, and of which camera it is.
+
+    images : those of foggy images that are written as well, and of maps in the place of depth
+    """
     depth = parser.add_argument_group(
         "depth", f"what the files of --depth hold; read are {known()}. A value v means (v - offset) x scale"
     )
@@ -51,20 +54,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="pixels whose depth is 0, negative or not a number: refuse the frame, take them for infinitely far, or "
         f"complete them from the image and the depth around (default: {REFUSE})",
     )
-    depth.add_argument(
-        "--transmittance-map",
-        metavar="PATH",
-        help="in the place of --depth and a camera: maps of transmittance at --beta, 8 or 16 bits, or from 0 to 1",
-    )
     camera = parser.add_argument_group("camera", "in the place of --camera")
     camera.add_argument("--fov", type=float, metavar="DEGREES", help="horizontal angle of view of all frames")
     camera.add_argument(
         "--intrinsics", metavar="FX,FY,U0,V0", help="focal lengths and principal point in pixels, of all"
     )
     camera.add_argument("--baseline", type=float, metavar="METRES", help="between both views, for disparity")
-    images = parser.add_argument_group("images")
-    images.add_argument("--format", choices=(PNG, JPEG), help=f"of foggy images (default: {PNG})")
-    images.add_argument("--quality", type=int, metavar="Q", help=f"of JPEG, 1 to 100 (default: {QUALITY})")
+    if not images:
+        parser.set_defaults(transmittance_map=None, format=None, quality=None)
+        return
+    depth.add_argument(
+        "--transmittance-map",
+        metavar="PATH",
+        help="in the place of --depth and a camera: maps of transmittance at --beta, 8 or 16 bits, or from 0 to 1",
+    )
+    written = parser.add_argument_group("images")
+    written.add_argument("--format", choices=(PNG, JPEG), help=f"of foggy images (default: {PNG})")
+    written.add_argument("--quality", type=int, metavar="Q", help=f"of JPEG, 1 to 100 (default: {QUALITY})")
 
 
 def refuse_options(args: argparse.Namespace, taken: tuple[str, ...] = ()) -> None:

@@ -6,10 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from foggy_synscapes.depth.decoding import RAY
 from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fog.geometry import GEOMETRIES
-from foggy_synscapes.frames.rendering import KEEP, airlight_of, rays_of, read_camera, read_clear
+from foggy_synscapes.frames import own_frames
+from foggy_synscapes.frames.given import GivenFrame, GivenJob
+from foggy_synscapes.frames.rendering import KEEP, airlight_of
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.view.frame import frame_page
 
@@ -19,16 +22,17 @@ if TYPE_CHECKING:
     from foggy_synscapes.view.predictions import Row, Shown
 
 HELP = "Write a page to look at, one HTML file that needs no network: the fog of a frame, or the predictions of a run."
-FRAME = ("rgb", "depth", "camera", "out")
+QUALITY = 88  # of JPEG: a street scene of 2048 x 1024 pixels takes a tenth of its PNG
+FRAME = ("rgb", "depth", "out")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of this step."""
     frame = parser.add_argument_group("a frame", "its fog at any density; no params file is needed")
-    frame.add_argument("--rgb", type=Path, metavar="FILE", help="8-bit RGB image")
-    frame.add_argument("--depth", type=Path, metavar="FILE", help="its depth: EXR, channel Z, planar metres")
+    frame.add_argument("--rgb", type=Path, metavar="FILE", help="8-bit image")
+    frame.add_argument("--depth", type=Path, metavar="FILE", help="its depth")
     frame.add_argument(
-        "--camera", type=Path, metavar="FILE", help="its camera, JSON; or its depth file, if the header has one"
+        "--camera", type=Path, metavar="FILE", help="its camera; or its depth file, if the header has one"
     )
     frame.add_argument("--out", type=Path, metavar="FILE", help="where to write the page, e.g. frame.html")
     frame.add_argument(
@@ -43,6 +47,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default="paper",
         help="distance along the ray as the published code has it, or from fx, fy and pixel centres (default: paper)",
     )
+    own_frames.arguments(parser, images=False)
     run = parser.add_argument_group("a finished run", "predictions of its rows on its test sets, to results/view")
     run.add_argument("--results", action="store_true", help="make the pages of predictions")
     run.add_argument("--test-set", metavar="NAME", help="of this test set alone (default: of all in the params)")
@@ -50,7 +55,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Run the step from the command line."""
-    given = [f"--{name}" for name in FRAME if getattr(args, name) is not None]
+    given = [name for name in (*FRAME, "camera", "fov", "intrinsics") if getattr(args, name) is not None]
     if args.results == bool(given):
         raise UsageError("give --rgb, --depth, --camera and --out for a frame, or --results for a finished run")
     if args.results:
@@ -60,36 +65,35 @@ def run(args: argparse.Namespace) -> None:
         for test_set in [args.test_set] if args.test_set else params.evaluate.test_sets:
             view(params, test_set)
         return
-    if len(given) < len(FRAME) or args.test_set:
-        raise UsageError("a frame is --rgb, --depth, --camera and --out; --test-set belongs to --results")
+    needs_camera = args.depth_is != RAY
+    if any(getattr(args, name) is None for name in FRAME) or (needs_camera and len(given) == len(FRAME)):
+        raise UsageError("a frame is --rgb, --depth, --out and --camera, or --fov or --intrinsics in its place")
+    if args.test_set:
+        raise UsageError("--test-set belongs to --results")
     if not 0 <= args.beta < float("inf"):
         raise UsageError(f"--beta {args.beta}: expected a number of 1/m from 0 on, e.g. 0.02")
     light = None if args.airlight is None else _levels(args.airlight)
-    frame(args.rgb, args.depth, args.camera, args.out, args.beta, args.geometry, light)
+    job = GivenJob(args.out.parent, [], args.geometry, False, 0, KEEP, **own_frames.settings(args))
+    camera = args.camera or args.depth  # a file that says nothing of a camera is not asked for one
+    frame = GivenFrame(args.rgb.stem, args.rgb, args.depth, camera, in_depth=args.camera == args.depth)
+    frame_view(job, frame, args.out, args.beta, light)
 
 
-def frame(
-    rgb: Path,
-    depth: Path,
-    camera: Path,
-    out: Path,
-    beta: float = 0.02,
-    geometry: str = "paper",
-    light: tuple[int, int, int] | None = None,
+def frame_view(
+    job: GivenJob, frame: GivenFrame, out: Path, beta: float = 0.02, light: tuple[int, int, int] | None = None
 ) -> None:
     """Write the page of one frame to `out`.
 
-    beta : 1/m, at least 0; light : levels, or None for the airlight of the image
+    job : how its depth is read; beta : 1/m, at least 0; light : levels, or None for the airlight of the image
 
     Raises FoggyError if a file is missing, damaged or of another size than the others.
     """
-    clear = read_clear(rgb, depth, str(rgb), str(depth))
+    clear, rays, warnings = job.clear(frame)
     found, _ = airlight_of(clear.image, KEEP)
-    for warning in clear.warnings(found):
+    for warning in (*warnings, *clear.warnings(found)):
         print(f"warning: {warning}", file=sys.stderr)
     used = found if light is None else Airlight(*light, found.row, found.column)
-    rays = rays_of(clear, read_camera(camera), str(camera), geometry)
-    text = frame_page(rgb.name, clear.image, clear.depth, rays, used, found, beta)
+    text = frame_page(frame.rgb.name, clear.image, clear.depth, rays, used, found, beta)
     write_text(out, text)
     print(f"view: {out}, {len(text) / 1e6:.1f} MB; airlight {', '.join(map(str, used.levels))}. Open it in a browser.")
 
@@ -145,12 +149,12 @@ def _rows(sources: "Sources") -> list[tuple[Key, "Row"]]:
 
 
 def _images(sources: "Sources", rows: list[tuple[Key, "Row"]]) -> Iterator["Shown"]:
-    from foggy_synscapes.io.jpeg import encode_jpeg
+    from foggy_synscapes.io.pictures import encode_jpeg
     from foggy_synscapes.view.predictions import Shown
 
     for sample in sources.images(sources.params.view.images):
         predicted = [sources.predictions(*key, [sample.name])[0] for key, _ in rows]
-        yield Shown(sample.name, encode_jpeg(sample.rgb), sample.truth, predicted)
+        yield Shown(sample.name, encode_jpeg(sample.rgb, QUALITY), sample.truth, predicted)
 
 
 def _levels(text: str) -> tuple[int, int, int]:
