@@ -118,13 +118,13 @@ def test_both_engines_compare_the_same_code(snakemake: dict[str, Step], dvc: dic
 COUNTED = {
     "scenes": "camera datasets io labels scoring stages standin",
     "filter": "camera datasets io stages",
-    "fog": "camera datasets fog frames io jit stages",
+    "fog": "betas camera datasets depth fog frames io jit labels stages",
     "subset": "camera datasets io scoring stages subsets",
     "train": "datasets frames io labels networks stages training",
     "evaluate": "datasets io labels networks scoring stages",
-    "tables": "datasets io labels networks scoring stages tables",
+    "tables": "datasets depth io labels networks scoring stages tables",
     "figures": "camera datasets figures fog io jit labels networks scoring stages training",
-    "view": "camera datasets figures fog frames io jit labels networks scoring stages view",
+    "view": "camera datasets depth figures fog frames io jit labels networks scoring stages view",
     "stability": "camera datasets figures fog io jit labels networks scoring stability stages tables training",
 }
 
