@@ -56,8 +56,8 @@ def fog(
     Parameters
     ----------
     image : uint8 (H, W, 3), or a file of 8-bit RGB
-    depth : float32 or float64 (H, W), metres, at least 0, infinity where nothing is; or an EXR file. The arithmetic
-        takes it in float32, in which it is exact to 6e-8 of itself
+    depth : float32 or float64 (H, W), metres, at least 0, infinity where nothing is; or a file of such metres, see
+        `read_depth`. The arithmetic takes it in float32, in which it is exact to 6e-8 of itself
     beta : attenuation coefficient, 1/m, at least 0, one or several; 0 gives the image. See `attenuation`
     camera : of the image, or its JSON file; only where `depth_is` "ray" it can be left out
     airlight : three levels, 0 to 255; without it that of the image itself, see `airlight`
@@ -104,7 +104,7 @@ def transmittance(
     Parameters
     ----------
     distance : metres along the ray, any shape, at least 0, infinity allowed; with a camera: depth along the optical
-        axis, (H, W), or an EXR file
+        axis, (H, W), or a file of it
     beta : attenuation coefficient, 1/m, at least 0, one or several
     camera, geometry : as in `fog`
 
@@ -118,7 +118,7 @@ def transmittance(
     >>> transmittance(100.0, [0, 0.01]).round(3).tolist()
     [1.0, 0.368]
     """
-    along = globals()["distance"](distance, camera, geometry=geometry) if camera is not None else _along(distance)
+    along = _along(distance) if camera is None else _by_camera(distance, camera, geometry)
     betas = np.asarray(beta, np.float64)
     if betas.ndim == 0:
         return optics.transmittance(along, float(betas))
@@ -130,7 +130,7 @@ def distance(depth: Image, camera: Camera | File, *, geometry: str = "paper") ->
 
     Parameters
     ----------
-    depth : float32 or float64 (H, W), metres, or an EXR file
+    depth : float32 or float64 (H, W), metres, or a file of it
     camera : of these images, or its JSON file
     geometry : "paper" counts pixels from 1 and takes fx on both axes, as the published code does; "exact" takes fx and
         fy and the centres of pixels
@@ -142,8 +142,7 @@ def distance(depth: Image, camera: Camera | File, *, geometry: str = "paper") ->
     >>> distance(np.full((1, 2), 10.0), Camera(fx=2, fy=2, u0=1, v0=1, resx=2, resy=1)).round(3).tolist()
     [[10.0, 11.18]]
     """
-    metres = np.asarray(read_depth(depth) if isinstance(depth, File) else depth, np.float64)
-    return metres * _rays(metres.shape, camera, geometry, "z").factor()
+    return _by_camera(depth, camera, geometry)
 
 
 def airlight(image: Image) -> Airlight:
@@ -303,16 +302,29 @@ def read_image(path: File) -> np.ndarray:
     return read_rgb(Path(path))
 
 
-def read_depth(path: File) -> np.ndarray:
-    """Read depth: float32 (H, W), metres, of an EXR file with one channel Z. Raises FoggyError if it is anything else.
+def read_depth(path: File, scale: float | None = None) -> np.ndarray:
+    """Read depth: float32 or float64 (H, W), metres, of any format that `foggy fog --depth` takes.
+
+    scale : metres per stored unit, such as 0.001 for millimetres in a 16-bit PNG; without it the file has to hold
+        metres as floating point. With it, not a number is where 0 is stored, which means that there is no depth
+
+    Raises FoggyError if the file is missing, damaged or of another kind, or holds whole numbers without a scale.
 
     >>> read_depth("street.exr")
     Traceback (most recent call last):
     foggy_synscapes.errors.FoggyError: street.exr: missing...
     """
-    from foggy_synscapes.io import images
+    from foggy_synscapes.depth.decoding import Encoding, decode
+    from foggy_synscapes.io.depth_files import read_stored
+    from foggy_synscapes.io.files import read_bytes
 
-    return images.read_depth(Path(path))
+    stored = read_stored(read_bytes(path, "file of depth"), Path(path))
+    if scale is None and stored.dtype.kind == "f":
+        return stored.astype(np.promote_types(stored.dtype, np.float32), copy=False)
+    try:
+        return decode(stored, Encoding(scale=scale))
+    except ValueError as error:
+        raise FoggyError(f"{path}: {error}".replace("--depth-scale", "scale")) from error
 
 
 def read_camera(path: File) -> Camera:
@@ -335,15 +347,18 @@ def _image(image: Image) -> np.ndarray:
 
 def _depth(depth: Image) -> np.ndarray:
     """Depth in float32; ValueError if it is of another kind, so that neither levels nor ids pass for metres."""
-    if isinstance(depth, File):
-        return read_depth(depth)
-    metres = np.asarray(depth)
+    metres = read_depth(depth) if isinstance(depth, File) else np.asarray(depth)
     if metres.dtype == np.float32:
         return metres
     if metres.dtype != np.float64:
         raise ValueError(f"depth: {metres.dtype} {metres.shape}, expected float32 or float64 (H, W), in metres")
     with np.errstate(over="ignore"):  # beyond 3e38 metres lies infinity
         return metres.astype(np.float32)
+
+
+def _by_camera(depth: Image, camera: Camera | File, geometry: str) -> np.ndarray:
+    metres = np.asarray(read_depth(depth) if isinstance(depth, File) else depth, np.float64)
+    return metres * _rays(metres.shape, camera, geometry, "z").factor()
 
 
 def _along(distance: Image) -> np.ndarray:

@@ -169,3 +169,21 @@ def test_depth_needs_a_baseline() -> None:
 def test_a_camera_is_read(tmp_path: Path) -> None:
     (tmp_path / "camera.json").write_text(camera_json())
     assert fs.read_camera(tmp_path / "camera.json") == CAMERA
+
+
+def test_depth_is_read_in_the_formats_of_the_command(tmp_path: Path) -> None:
+    metres = np.array([[1.5, 0.0], [2.0, 300.0]])
+    np.save(tmp_path / "metres.npy", metres)
+    (tmp_path / "centimetres.png").write_bytes(encode_png((metres * 100).astype(np.uint16)))
+    np.testing.assert_array_equal(fs.read_depth(tmp_path / "metres.npy"), metres)
+    found = fs.read_depth(tmp_path / "centimetres.png", scale=0.01)
+    np.testing.assert_allclose(found, np.where(metres == 0, np.nan, metres))
+    with pytest.raises(FoggyError, match=r"unit it does not tell. Give metres per unit by scale, e\.g\. 0\.001"):
+        fs.read_depth(tmp_path / "centimetres.png")
+    view = np.zeros((2, 2, 3), np.uint8)
+    ray = fog(view, metres, 0.01, depth_is="ray", airlight=(200, 200, 200))
+    np.testing.assert_array_equal(
+        fog(view, tmp_path / "metres.npy", 0.01, depth_is="ray", airlight=(200, 200, 200)), ray
+    )
+    with pytest.raises(ValueError, match="negative or not a number"):
+        fog(view, found, 0.01, depth_is="ray")
