@@ -12,7 +12,7 @@ BIN := .venv/bin
 TORCH ?=
 READY := .venv/.ready$(if $(TORCH),-$(TORCH))
 
-.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status schema docs dvc.yaml scale remotes slurm lint lock clean
+.PHONY: main gpu-check update repro test fuzz reruns reads same-bytes faults stateful variables crate doors notebook promises real paper report status fog_models schema docs dvc.yaml scale remotes slurm lint lock clean
 
 main: $(READY)
 	@echo "== The main job: snakemake --cores $(CORES)"
@@ -105,6 +105,12 @@ report: $(READY)
 status: $(READY)
 	@$(BIN)/python docs/make_status.py
 	@$(BIN)/python docs/make_table.py
+
+# docs/fog_models.md and its picture: the fog models against path tracing, from the stored reference.
+fog_models: $(READY)
+	@$(BIN)/foggy atlas
+	@cp results/atlas/bounds.csv src/foggy_synscapes/fog/ladder/bounds.csv
+	@$(BIN)/python docs/make_fog_models.py
 
 # The stages of DVC and the picture of the workflow, from the table of steps: after an edit of steps.py, or a new test set, figure, kind of row or plugin.
 dvc.yaml: $(READY)

@@ -63,12 +63,13 @@ def fog(
     airlight : three levels, 0 to 255; without it that of the image itself, see `airlight`
     geometry : "paper" or "exact", how depth becomes distance, see `distance`
     depth_is : "z", along the optical axis, as Synscapes and stereo have it, or "ray", along the ray of each pixel
-    model : of fog, by its name, as `foggy fog --model` has it
+    model : of fog, NAME or NAME:KEY=VALUE,..., as `foggy fog --model` has it, e.g. "layered:scale_height=10"
 
     Raises
     ------
     ValueError
-        If shapes or types differ from these, a depth or beta is negative or not a number, or there is no camera.
+        If shapes or types differ from these, a depth or beta is negative or not a number, there is no camera, or
+        a value of the model is out of its range.
     FoggyError
         If a file is missing, damaged or of another kind, or there is no such model.
 
@@ -80,7 +81,7 @@ def fog(
     >>> fog(image, depth, [0, 0.01, 0.02], depth_is="ray", airlight=(200, 200, 200))[:, 0, 0, 0].tolist()
     [100, 163, 186]
     """
-    from foggy_synscapes.fog.models import MODELS
+    from foggy_synscapes.fog.models import chosen
 
     pixels, metres = _image(image), _depth(depth)
     optics.count_zero_depth(metres)
@@ -92,7 +93,7 @@ def fog(
     if betas.ndim > 1:
         raise ValueError(f"beta: shape {betas.shape}, expected one number of 1/m, or several")
     which = _rays(metres.shape, camera, geometry, depth_is)
-    foggy = MODELS[model].images(pixels, metres, which, levels, betas.reshape(-1).tolist())
+    foggy = chosen(model).images(pixels, metres, which, levels, betas.reshape(-1).tolist())
     return foggy[0] if betas.ndim == 0 else foggy
 
 

@@ -22,6 +22,7 @@ PIPELINE = {
     "view": "make pages to look at predictions; alone: one frame in fog of any density",
 }
 TOOLS = {
+    "atlas": "score fog models against path tracing: which one is enough",
     "adopt": "carry a clone from one engine to the other",
     "card": "write a model card of a trained model",
     "clean": "list and remove results that the params do not ask for any more",

@@ -24,6 +24,25 @@ def stability() -> Step:
     )
 
 
+def atlas() -> Step:
+    made = f"{RESULTS}/atlas"
+    return Step(
+        name="atlas",
+        word="atlas",
+        text="Score the fog models against path tracing.",
+        command="atlas",
+        outputs={
+            **files(f"{made}/atlas", "csv", "tex", "md", "png", "pdf"),
+            **{name: f"{made}/{name}.csv" for name in ("bounds", "held", "enough", "fitted")},
+            "record": f"{made}/run.json",
+        },
+        params=("atlas",),
+        code=tuple(f"fog_models.{name}" for name in ("none", "homogeneous", "layered", "heterogeneous", "surround")),
+        megabytes=2_000,
+        default=False,
+    )
+
+
 def tradeoff_fog() -> Step:
     made = f"{RESULTS}/tradeoff/fog"
     keys = ("tradeoff.betas", "tradeoff.frames", "tradeoff.repeats", "scenes.roots.synscapes", "scenes.shards")

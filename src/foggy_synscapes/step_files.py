@@ -8,6 +8,7 @@ from foggy_synscapes.jobs import Each, Template
 from foggy_synscapes.results import FOG, INDEX, KEPT, RESULTS, RUN, index
 
 NETWORK, SEED, FOG_MODEL = "train.networks", "train.seeds", "fog.model"
+FOG_VALUES = "fog.values"
 ROWS = ("train.from_weights", "train.from_baseline")
 RUNS = {"network": (NETWORK,), "row": ROWS, "seed": (SEED,)}
 
@@ -36,6 +37,10 @@ SOURCES: dict[str, Callable[[], dict[str, Template]]] = {
     },
     "made": stereo_steps.made_images,
     "completed": lambda: {"kept": KEPT, **stereo_steps.completed_images()},
+    "modelled": lambda: {
+        "kept": KEPT,
+        "modelled": Each(f"{FOG}/{{row.model}}/beta_{{row.beta}}", "{shard}.csv", {"shard": ("scenes.shards",)}),
+    },
     "curves": lambda: {"curves": Each(f"{RESULTS}/train", f"{RUN}/curves.csv", RUNS)},
     "metrics": lambda: {"metrics": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/metrics.json", RUNS)},
     "predictions": lambda: {"predictions": Each(f"{RESULTS}/evaluate/{{test_set}}", f"{RUN}/predictions.tar", RUNS)},

@@ -37,8 +37,9 @@ from foggy_synscapes.results import (
     index,
 )
 from foggy_synscapes.standin.layouts import STAND_INS
-from foggy_synscapes.step_files import FOG_MODEL, NETWORK, ROWS, SEED, files, index_of, indexes, sources
+from foggy_synscapes.step_files import FOG_MODEL, FOG_VALUES, NETWORK, ROWS, SEED, files, index_of, indexes, sources
 from foggy_synscapes.subsets import KINDS
+from foggy_synscapes.subsets.kind import ModelledRow
 
 REGISTRIES: dict[str, Registry] = {
     "datasets": DATASETS,
@@ -121,9 +122,23 @@ def _fog() -> Step:
         wildcards={"beta": "fog.betas", "shard": "scenes.shards"},
         inputs={**before.inputs, "airlight": before.outputs["airlight"]},
         outputs={"shard": f"{images}.tar", "manifest": f"{images}.csv", "record": f"{images}.run.json"},
-        params=(*AIRLIGHT_KEYS, FOG_MODEL, "fog.geometry", "fog.png_level", "fog.render"),
+        params=(*AIRLIGHT_KEYS, FOG_MODEL, FOG_VALUES, "fog.geometry", "fog.png_level", "fog.render"),
         code=(f"fog_models.*{FOG_MODEL}",),
         minutes=120,
+    )
+
+
+def _fog_model() -> Step:
+    whole, images = _fog(), f"{FOG}/{{model}}/beta_{{beta}}/{{shard}}"
+    return replace(
+        whole,
+        name="fog_model",
+        text="Render the foggy images of one shard at one beta by a further fog model.",
+        command="fog --beta {beta} --model {model} --shard {shard}",
+        wildcards={"model": "fog.also", **whole.wildcards},
+        outputs={"shard": f"{images}.tar", "manifest": f"{images}.csv", "record": f"{images}.run.json"},
+        params=tuple(key for key in whole.params if key != FOG_MODEL),
+        code=("fog_models.{model}",),
     )
 
 
@@ -150,7 +165,8 @@ def _subset(kind: str) -> Step:
 def fog_shards(params: Params, values: Values) -> list[str]:
     """Shards that hold images of a row's list, which has the hash of each image."""
     entry = params.subset.foggy().get(values["row"])
-    own = [f"{FOG}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
+    folder = f"{FOG}/{entry.model}" if isinstance(entry, ModelledRow) else FOG
+    own = [f"{folder}/beta_{entry.beta}/{shard}.tar" for shard in params.scenes.shards] if entry else []
     return own + stereo_steps.made_shards(params, values) + stereo_steps.completed_shards(params, values)
 
 
@@ -322,6 +338,7 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         stereo_steps.complete(),
         _airlight(),
         _fog(),
+        _fog_model(),
         stereo_steps.fog(),
         stereo_steps.complete_synscapes(),
         stereo_steps.fog_completed(),
@@ -334,6 +351,7 @@ def _steps(_plugins: tuple[Path, ...]) -> list[Step]:
         *(_figure(name) for name in FIGURES),
         _view(),
         measured_steps.stability(),
+        measured_steps.atlas(),
         measured_steps.tradeoff_fog(),
         measured_steps.tradeoff_networks(),
         measured_steps.tradeoff_accuracy(),

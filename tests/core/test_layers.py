@@ -30,6 +30,7 @@ ORDER = (
     "frames",
     "api",
     "tables",
+    "atlas",
     "tradeoff",
     "view",
     "jobs",

@@ -26,9 +26,9 @@ def of_dataset(dataset: str, path: str) -> str:
     return f"{dataset}:{path}"
 
 
-def of_fog(beta: str, shard: str, member: str) -> str:
-    """URI of a foggy image in a shard."""
-    return f"fog:beta_{beta}/{shard}.tar#{member}"
+def of_fog(beta: str, shard: str, member: str, model: str = "") -> str:
+    """URI of a foggy image in a shard; `model` : of fog, where it is not that of all other rows."""
+    return f"fog:{f'{model}/' if model else ''}beta_{beta}/{shard}.tar#{member}"
 
 
 def of_made(beta: str, shard: str, member: str) -> str:

@@ -21,6 +21,6 @@ FIGURE = Figure(
     text="Two frames in clear weather and in fog of growing density; visibility is the meteorological "
     "optical range, 2.996 / beta.",
     inputs=(FRAMES,),
-    keys=("fog.model", "fog.geometry", "scenes.shards"),
+    keys=("fog.model", "fog.values", "fog.geometry", "scenes.shards"),
     draw=draw,
 )

@@ -18,6 +18,6 @@ def draw(sources: Sources) -> Drawing:
 FIGURE = Figure(
     text="Fog at the same beta from exact depth (Foggy Synscapes) and from completed stereo depth (Foggy Cityscapes).",
     inputs=(FRAMES, REFINED),
-    keys=("fog.model", "fog.geometry", "scenes.refined_list", "scenes.shards"),
+    keys=("fog.model", "fog.values", "fog.geometry", "scenes.refined_list", "scenes.shards"),
     draw=draw,
 )

@@ -13,7 +13,7 @@ from foggy_synscapes.datasets.dataset import STAND_IN
 from foggy_synscapes.datasets.index import expect, read_index
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.frame import foggy_frame
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import chosen
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import read_depth, read_ids, read_rgb
 from foggy_synscapes.io.shards import Shard
@@ -36,7 +36,7 @@ class Frame:
 
     def foggy(self, betas: list[str], fog: Any) -> list[np.ndarray]:
         """Foggy images, uint8 (H, W, 3), one for each beta in 1/m, by model and geometry of the params section fog."""
-        model, wanted = MODELS[fog.model], [float(beta) for beta in betas]
+        model, wanted = chosen(fog.spelt()), [float(beta) for beta in betas]
         try:
             return foggy_frame(self.clear, self.depth, self.camera, wanted, fog.geometry, model.images)
         except ValueError as error:

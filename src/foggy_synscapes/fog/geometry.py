@@ -18,11 +18,15 @@ class Rays:
     rows : float64 (H,)
     columns : float64 (W,)
     scale : above 0; kept apart because the published formula divides last
+    down, right : float64 (H,) and (W,), how far the ray of a row or column leads down or right per planar metre; None
+        where only lengths are known. Models of fog that is not alike everywhere need them.
     """
 
     rows: np.ndarray
     columns: np.ndarray
     scale: float
+    down: np.ndarray | None = None
+    right: np.ndarray | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -35,7 +39,16 @@ class Rays:
 
     def crop(self, top: int, left: int, height: int, width: int) -> "Rays":
         """Rays of a part of the image, in pixels."""
-        return Rays(self.rows[top : top + height], self.columns[left : left + width], self.scale)
+        rows, columns = slice(top, top + height), slice(left, left + width)
+        down = None if self.down is None else self.down[rows]
+        right = None if self.right is None else self.right[columns]
+        return Rays(self.rows[rows], self.columns[columns], self.scale, down, right)
+
+    def directions(self) -> tuple[np.ndarray, np.ndarray]:
+        """`down` and `right`; ValueError where only lengths are known."""
+        if self.down is None or self.right is None:
+            raise ValueError("rays: without directions, which this fog model needs. Give planar depth and its camera")
+        return self.down, self.right
 
 
 def rays(camera: Camera, geometry: str = "paper", shape: tuple[int, int] | None = None) -> Rays:
@@ -63,11 +76,11 @@ def rays(camera: Camera, geometry: str = "paper", shape: tuple[int, int] | None 
     if geometry == "paper":
         across = np.arange(1, width + 1) - camera.u0
         down = np.arange(1, height + 1) - camera.v0
-        return Rays(camera.fx**2 + down**2, across**2, camera.fx**2)
+        return Rays(camera.fx**2 + down**2, across**2, camera.fx**2, down / camera.fx, across / camera.fx)
     if geometry == "exact":
         across = (np.arange(width) + 0.5 - camera.u0) / camera.fx
         down = (np.arange(height) + 0.5 - camera.v0) / camera.fy
-        return Rays(1 + down**2, across**2, 1.0)
+        return Rays(1 + down**2, across**2, 1.0, down, across)
     raise ValueError(f"geometry: {geometry!r}, expected {' or '.join(GEOMETRIES)}")
 
 

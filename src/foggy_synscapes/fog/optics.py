@@ -188,18 +188,26 @@ def count_zero_depth(depth: np.ndarray) -> int:
     return depth.size - int(np.count_nonzero(depth))
 
 
-def _prepared(
+def check_frame(
     image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float]
-) -> tuple["Renderer", np.ndarray, np.ndarray]:
-    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
-    from foggy_synscapes.fog.renderer import Renderer
-
+) -> np.ndarray:
+    """The airlight as uint8 (3,); ValueError as in `foggy_images`, but for values of depth."""
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
         raise ValueError(f"image: {image.dtype} {image.shape}, expected uint8 (H, W, 3)")
     _check(image.shape[:2], depth, rays, betas)
     light = np.array(airlight, np.uint8)
     if light.shape != (3,):
         raise ValueError(f"airlight: {airlight}, expected three levels")
+    return light
+
+
+def _prepared(
+    image: np.ndarray, depth: np.ndarray, rays: Rays, airlight: Sequence[int], betas: Sequence[float]
+) -> tuple["Renderer", np.ndarray, np.ndarray]:
+    # Imported here: Numba takes half a second, and not all that reads this module renders fog.
+    from foggy_synscapes.fog.renderer import Renderer
+
+    light = check_frame(image, depth, rays, airlight, betas)
     renderer = Renderer(rays.columns, rays.scale, np.array(betas, float), light)
     return renderer, np.ascontiguousarray(image), np.ascontiguousarray(depth)
 

@@ -13,7 +13,7 @@ import numpy as np
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.datasets import synscapes, uris
 from foggy_synscapes.fog.airlight import Airlight
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import chosen
 from foggy_synscapes.frames import rendering
 from foggy_synscapes.io.hashing import sha256_bytes
 from foggy_synscapes.params import Fog
@@ -22,11 +22,18 @@ KEYS = ("airlight", "beta", "camera", "geometry", "inputs", "model", "pixels")
 
 
 def write(
-    clear: rendering.Clear, camera: Camera, fog: Fog, light: Airlight, beta: str, frame: int, index: Mapping[str, str]
+    clear: rendering.Clear,
+    camera: Camera,
+    fog: Fog,
+    light: Airlight,
+    beta: str,
+    frame: int,
+    index: Mapping[str, str],
+    model: str = "",
 ) -> bytes:
-    """Recipe of a frame at one beta in 1/m, by the model and geometry of the params section fog.
+    """Recipe of a frame at one beta in 1/m, by the model and the geometry of the params section fog.
 
-    index : SHA-256 of the dataset's files by path
+    index : SHA-256 of the dataset's files by path; model : in place of the section's
     """
     recipe = {
         "airlight": light.levels,
@@ -36,7 +43,7 @@ def write(
         "inputs": [
             (uris.of_dataset("synscapes", path), index[path]) for path in (synscapes.rgb(frame), synscapes.depth(frame))
         ],
-        "model": fog.model,
+        "model": model or fog.spelt(),
     }
     pixels = pixels_of(clear, recipe)
     return json.dumps({**recipe, "pixels": sha256_bytes(pixels.data)}, sort_keys=True, indent=1).encode()
@@ -46,4 +53,4 @@ def pixels_of(clear: rendering.Clear, recipe: dict[str, Any]) -> np.ndarray:
     """The foggy image that a recipe describes: uint8 (H, W, 3)."""
     rays = rendering.rays_of(clear, Camera(**recipe["camera"]), "the recipe", recipe["geometry"])
     frame = clear.image, clear.depth, rays, recipe["airlight"], [float(recipe["beta"])]
-    return MODELS[recipe["model"]].images(*frame)[0]
+    return chosen(recipe["model"]).images(*frame)[0]

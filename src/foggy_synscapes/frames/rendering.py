@@ -14,13 +14,17 @@ from foggy_synscapes.datasets.index import expect
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight, estimate
 from foggy_synscapes.fog.geometry import Rays, camera_from_window, rays
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import chosen
 from foggy_synscapes.fog.optics import count_zero_depth, meteorological_optical_range
 from foggy_synscapes.io.hashing import read_checked
 from foggy_synscapes.io.images import encode_png, read_depth, read_depth_header, read_rgb
+from foggy_synscapes.io.png_text import with_note
 
 KEEP, DROP, GREY = "keep", "drop", "grey"
 """What to do where the airlight is blue (paper, section III, failure case)."""
+
+NOTE = "fog model"
+"""Under this key, an image of a model that chooses another one has a note of which and why."""
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # malloc.h
 
@@ -147,17 +151,23 @@ def foggy_pngs(model: str, clear: Clear, rays: Rays, light: Airlight, betas: lis
     from foggy_synscapes.io.photographs import encode_photographs
 
     frame = clear.image, clear.depth, rays, light.levels, [float(beta) for beta in betas]
-    chosen = MODELS[model]
-    if level or chosen.scan_lines is None:
-        yield from (encode_png(image, max(level, 1)) for image in chosen.images(*frame))
+    found = chosen(model)
+    if found.choose is not None:
+        for beta in betas:
+            choice = found.choose(*frame[:4], float(beta))
+            (png,) = foggy_pngs(choice.model, clear, rays, light, [beta], level)
+            yield with_note(png, NOTE, f"{choice.model}: {choice.why}")
+        return
+    if level or found.scan_lines is None:
+        yield from (encode_png(image, max(level, 1)) for image in found.images(*frame))
         return
     # A few rows at a time: what was rendered is encoded while the processor's cache still has it.
-    yield from encode_photographs((len(betas), *clear.depth.shape), chosen.scan_lines(*frame))
+    yield from encode_photographs((len(betas), *clear.depth.shape), found.scan_lines(*frame))
 
 
 def transmittance_pngs(model: str, clear: Clear, rays: Rays, betas: list[str], level: int) -> Iterator[bytes]:
     """Transmittance in 8 bits as PNG, one per beta in 1/m."""
-    maps = MODELS[model].transmittances(clear.depth, rays, [float(beta) for beta in betas])
+    maps = chosen(model).transmittances(clear.depth, rays, [float(beta) for beta in betas])
     yield from (encode_png(one, max(level, 1)) for one in maps)  # smooth maps repeat: matches pay
 
 

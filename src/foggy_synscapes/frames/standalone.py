@@ -11,7 +11,7 @@ from foggy_synscapes import __version__
 from foggy_synscapes.betas import beta_name
 from foggy_synscapes.datasets.synscapes import read_camera
 from foggy_synscapes.errors import FoggyError, UsageError
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import MODELS, spelt
 from foggy_synscapes.fog.optics import (
     attenuation,
     denser_than_usual,
@@ -28,6 +28,7 @@ from foggy_synscapes.io.hashing import sha256
 from foggy_synscapes.io.progress import progress
 from foggy_synscapes.io.tables import write_csv
 
+HOMOGENEOUS = "homogeneous"
 COLUMNS = ("id", "red", "green", "blue", "row", "column")
 SHOWN = 10  # errors and warnings printed in full
 
@@ -74,9 +75,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     frames.add_argument(
         "--model",
-        choices=MODELS.names(),
-        default="homogeneous",
-        help="of fog: " + "; ".join(f"{name}: {MODELS[name].text}" for name in MODELS),
+        type=_model,
+        metavar="MODEL",
+        help="of fog, NAME or NAME:KEY=VALUE,... (default: homogeneous). "
+        + "; ".join(f"{name}: {MODELS[name].text}" for name in MODELS),
     )
     frames.add_argument("--transmittance", action="store_true", help="write 8-bit transmittance maps as well")
     frames.add_argument(
@@ -99,6 +101,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     frames.add_argument("--keep-going", action="store_true", help="finish the other frames where one is broken")
 
 
+def _model(text: str) -> str:
+    """A fog model as it is spelt; argparse names what is wrong with it."""
+    try:
+        return spelt(text)
+    except (FoggyError, ValueError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 def run(args: argparse.Namespace, code: str) -> None:
     """Fog the frames that the command line names; `code` is the digest of the code that renders."""
     betas = betas_of([*(args.beta or []), *of_visibility(args.visibility or [])])
@@ -111,7 +121,7 @@ def run(args: argparse.Namespace, code: str) -> None:
             print(f"fog: beta {beta} / m is a visibility of {meteorological_optical_range(float(beta)):,.3g} m")
         for warning in filter(None, (lighter_than_fog(float(beta)), denser_than_usual(float(beta)))):
             print(f"warning: {warning}", file=sys.stderr)
-    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model
+    options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model or HOMOGENEOUS
     job, camera = folders.Job(args.out, betas, *options), None
     found: list[Frame]
     if args.layout is not None:

@@ -18,7 +18,7 @@ from foggy_synscapes.params.training import Train
 from foggy_synscapes.registry import plugin_files
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import IMAGES
+from foggy_synscapes.subsets.kind import IMAGES, ModelledRow
 from foggy_synscapes.training.policy import Policy
 
 Scale = Annotated[FiniteFloat, Field(ge=0.01, le=1)]
@@ -123,6 +123,15 @@ class Tradeoff(Section):
         return self
 
 
+class Atlas(Section):
+    """How fog models are scored against path tracing."""
+
+    tolerances: Annotated[list[float], Field(min_length=1)] = setting(
+        "mean errors of a frame, for which the cheapest model that keeps to it is counted", unit="levels"
+    )
+    repeats: int = setting("times that each model is timed; the least counts", ge=1)
+
+
 class Training(NamedTuple):
     """How long a network trains in a row. images_seen : drawn; the last step is always followed by a validation."""
 
@@ -155,6 +164,7 @@ class Params(Section):
     figures: Figures
     view: View
     stability: Stability
+    atlas: Atlas
     tradeoff: Tradeoff
 
     @model_validator(mode="after")
@@ -177,6 +187,12 @@ class Params(Section):
                     f"fog.frames: the lists in subset ask for the first {ends[0]} and the last {ends[1]} kept frames, "
                     f"got first {self.fog.frames.first} and last {self.fog.frames.last}"
                 )
+        models = {entry.model for entry in self.subset.by_own_model().values() if isinstance(entry, ModelledRow)}
+        if models != set(self.fog.also):
+            raise ValueError(
+                f"fog.also: has {', '.join(self.fog.also) or 'none'}, but the lists of subset.modelled ask for "
+                f"{', '.join(sorted(models)) or 'none'}; they have to be the same"
+            )
         made, asked_for = (
             set(self.complete.betas if self.complete else []),
             {entry.beta for entry in self.subset.made_here().values()},

@@ -1,14 +1,17 @@
 """The params sections `fog` and `subset`: what is rendered, and the lists that ask for it."""
 
+from collections.abc import Mapping
 from types import GenericAlias
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, create_model, model_validator
 
+from foggy_synscapes.errors import FoggyError
+from foggy_synscapes.fog.models import spelling
 from foggy_synscapes.params.names import FogModelName, RowName
 from foggy_synscapes.schema import Beta, Section, setting
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import COMPLETED, FOG, MADE, FoggyRow, Row
+from foggy_synscapes.subsets.kind import COMPLETED, FOG, MADE, MODELLED, FoggyRow, Row
 
 
 class Ends(Section):
@@ -34,6 +37,14 @@ class Fog(Section):
         published="homogeneous",
         source="eq. (1)",
     )
+    also: list[FogModelName] = setting(
+        "further models, by which fog is rendered too, for rows of the kind modelled", default=[]
+    )
+    values: dict[FogModelName, dict[str, Any]] = setting(
+        "of models, where not their defaults: {scale_height: 10}; with units, ranges and sources in docs/fog_models.md",
+        key="MODEL",
+        default={},
+    )
     geometry: Literal["paper", "exact"] = setting(
         "paper: as the published code (1-based pixels, fx on both axes); exact: fx and fy, pixel centres"
     )
@@ -56,7 +67,22 @@ class Fog(Section):
     def _distinct(self) -> "Fog":
         if len(set(self.betas)) != len(self.betas):
             raise ValueError(f"betas: each once, got {self.betas}")
+        if len({self.model, *self.also}) != 1 + len(self.also):
+            raise ValueError(f"also: models beside {self.model}, each once, got {self.also}")
+        for name in self.values:
+            if name not in (self.model, *self.also):
+                raise ValueError(f"values: {name} is neither fog.model nor in fog.also; add it there, or remove it")
+        for name in (self.model, *self.also):
+            try:
+                self.spelt(name)
+            except FoggyError as error:
+                raise ValueError(str(error)) from error
         return self
+
+    def spelt(self, model: str = "") -> str:
+        """A model (that of `model`, unless named) with its values, as records, recipes and captions spell it."""
+        values: Mapping[str, Any] = self.values.get(model or self.model, {})
+        return spelling(model or self.model, values)
 
 
 class Subset(Section):
@@ -75,8 +101,12 @@ class Subset(Section):
         return next(kind for kind, rows in self.kinds().items() if row in rows)
 
     def foggy(self) -> dict[str, FoggyRow]:
-        """The lists of Foggy Synscapes images by row name."""
-        return self._reading(FOG)
+        """The lists of Foggy Synscapes images, by whatever model, by row name."""
+        return {**self._reading(FOG), **self.by_own_model()}
+
+    def by_own_model(self) -> dict[str, FoggyRow]:
+        """Those of them by a model that the row names."""
+        return self._reading(MODELLED)
 
     def made_here(self) -> dict[str, FoggyRow]:
         """The lists of fog on Cityscapes that is made here, by row name."""

@@ -19,7 +19,7 @@ from foggy_synscapes.params import Params
 from foggy_synscapes.params.experiment import Training
 from foggy_synscapes.standin.layouts import STAND_INS
 from foggy_synscapes.subsets import KINDS
-from foggy_synscapes.subsets.kind import COMPLETED, FOG
+from foggy_synscapes.subsets.kind import COMPLETED, FOG, MODELLED
 
 PASSES = 3
 """Forward passes that a step of training costs: one forward, and backwards two."""
@@ -89,7 +89,7 @@ def validations(params: Params, training: Training) -> float:
     """Multiply-adds of all validations of a training."""
     row = training.row
     entry = params.subset.rows()[row]
-    own = "synscapes" if {FOG, COMPLETED} & {*KINDS[params.subset.kind(row)].reads} else "cityscapes"
+    own = "synscapes" if {FOG, COMPLETED, MODELLED} & {*KINDS[params.subset.kind(row)].reads} else "cityscapes"
     # What a list holds beyond its entry's own counts are the Foggy Cityscapes images of a mix.
     more = entry.counts()[1] - entry.validation
     whole = pixels(params, own) * entry.validation + (pixels(params, "cityscapes") * more if more else 0)
@@ -119,8 +119,8 @@ def disk(params: Params, jobs: Iterable[Job]) -> float:
         name, values = job.step.name, job.values
         if name == "fog_completed":
             total += (MEMBER + FOGGY * pixels(params, "synscapes")) * fogged(params, 1)
-        elif name == "fog":
-            shards.setdefault(values["beta"], []).append(values["shard"])
+        elif name in ("fog", "fog_model"):
+            shards.setdefault(f"{values.get('model', '')} {values['beta']}", []).append(values["shard"])
         elif job.step.word == "train":
             total += FLOAT * _parameters(config(params, values["network"]))
         elif job.step.word == "evaluate":

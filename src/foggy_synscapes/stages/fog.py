@@ -77,7 +77,7 @@ def _run_job(args: argparse.Namespace) -> None:
     if args.airlight:
         airlight(load(args.params), args.shard)
     else:
-        fog(load(args.params), betas[0], args.shard)
+        fog(load(args.params), betas[0], args.shard, args.model)
 
 
 def airlight(params: "Params", shard: str) -> None:
@@ -107,8 +107,10 @@ def airlight(params: "Params", shard: str) -> None:
     print(f"fog: atmospheric light of {len(rows)} frames of shard {shard}; {count} blue, fog.blue_airlight {treatment}")
 
 
-def fog(params: "Params", beta: str, shard: str) -> None:
+def fog(params: "Params", beta: str, shard: str, model: str | None = None) -> None:
     """Write the shard of foggy images at one beta, or of their recipes where `fog.render` says so, and its manifest.
+
+    model : one of fog.also; None: fog.model
 
     Frames that an interrupted run of the same job finished are kept.
 
@@ -118,7 +120,8 @@ def fog(params: "Params", beta: str, shard: str) -> None:
     from foggy_synscapes.provenance.runs import Run
     from foggy_synscapes.steps import job
 
-    run = Run(job(params, "fog", beta=beta, shard=shard))
+    named = {"model": model} if model is not None else {}
+    run = Run(job(params, "fog", beta=beta, shard=shard, **named))
     rendering.keep_memory()
     finished = unfinished.folder_of(run)
     dropped: list[int] = []
@@ -127,7 +130,7 @@ def fog(params: "Params", beta: str, shard: str) -> None:
     run.finish()
     shutil.rmtree(finished)
     left_out = f"; {len(dropped)} left out for their blue atmospheric light" if dropped else ""
-    print(f"fog: shard {shard} at beta {beta} / m{left_out}")
+    print(f"fog: shard {shard} at beta {beta} / m{f' by {model}' if model else ''}{left_out}")
 
 
 def fog_made(params: "Params", beta: str, shard: str) -> None:
@@ -207,6 +210,7 @@ def _members(job: "Job", finished: Path, dropped: list[int]) -> Iterator[tuple[s
     from foggy_synscapes.results import root
 
     params, beta, shard, kept = job.params, job.values["beta"], job.values["shard"], job.input("kept")
+    model = params.fog.spelt(job.values.get("model", ""))
     lights = _lights(job.input("airlight"))
     index, folder = read_index(job.input("index")), root(params, "synscapes")
     for frame, camera in progress(asked_frames(params, shard, kept).items(), f"fog {beta} {shard}", unit="frame"):
@@ -222,9 +226,9 @@ def _members(job: "Job", finished: Path, dropped: list[int]) -> Iterator[tuple[s
             clear = rendering.read_frame(folder, frame, index)
             rays = rendering.rays_of(clear, camera, f"{kept}, frame {frame}", params.fog.geometry)
             if as_recipe:
-                data = recipes.write(clear, camera, params.fog, light, beta, frame, index)
+                data = recipes.write(clear, camera, params.fog, light, beta, frame, index, model)
             else:
-                (data,) = rendering.foggy_pngs(params.fog.model, clear, rays, light, [beta], params.fog.png_level)
+                (data,) = rendering.foggy_pngs(model, clear, rays, light, [beta], params.fog.png_level)
             write_bytes(finished / name, data)
             for warning in clear.warnings(light):
                 print(f"warning: {warning}", file=sys.stderr)

@@ -16,10 +16,11 @@ Line = tuple[str, str, str, str]
 """URI of an image, its SHA-256, URI of its label map, its SHA-256."""
 Lists = tuple[list[Line], list[Line]]
 """The training and the validation list."""
-FOG, MADE, COMPLETED = "fog", "made", "completed"
+FOG, MADE, COMPLETED, MODELLED = "fog", "made", "completed", "modelled"
 """In `Kind.reads`, each at the entry's beta: the kept frames and the shards of Foggy Synscapes; the shards of Foggy
-Cityscapes made here; the kept frames and the shards of Foggy Synscapes of completed depth."""
-IMAGES = {FOG, MADE, COMPLETED}
+Cityscapes made here; the kept frames and the shards of Foggy Synscapes of completed depth; and those by the fog model
+that the entry names."""
+IMAGES = {FOG, MADE, COMPLETED, MODELLED}
 
 
 class Sources:
@@ -73,12 +74,19 @@ class FoggyRow(Row):
     beta: Beta = setting("attenuation coefficient, quoted", unit="1/m")
 
 
+class ModelledRow(FoggyRow):
+    """A list of images of Foggy Synscapes by a fog model of its own."""
+
+    model: str = setting("of fog, one of fog.also; its values are in fog.values")
+
+
 @dataclass(frozen=True)
 class Kind:
     """A kind of list.
 
     text : what its lists are, in a few words
-    entry : model of an entry in the params section `subset`; a FoggyRow where one of IMAGES is read
+    entry : model of an entry in the params section `subset`; a FoggyRow where one of IMAGES is
+        read, a ModelledRow where MODELLED is
     reads : datasets whose indexes it reads, and IMAGES
     lists : (sources, entry, its dotted key in the params) -> lists; FoggyError if there is less than is asked for
     keys : dotted keys of params that it reads beside the entry
