@@ -41,6 +41,7 @@ NOT_RUN = {
     "mkdir": "of the shell",
     ".": "of the shell",
     "cd": "of the shell",
+    "eval": "changes the shell",
 }
 # Words of `foggy` that are not run here, and why; those of every other word are.
 NOT_RUN_HERE = {
