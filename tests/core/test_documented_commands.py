@@ -129,6 +129,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = fog_frames.write_frames(folder / "ROOT", 3)
     (folder / "results/scenes").mkdir(parents=True)
     (folder / "results/scenes/synscapes").symlink_to(root)
+    (folder / "img").symlink_to(root / "img")
     (folder / "IMAGES").symlink_to((root / synscapes.rgb(1)).parent)
     (folder / "DEPTHS").symlink_to((root / synscapes.depth(1)).parent)
     ids = np.arange(19, dtype=np.uint8).repeat(8).reshape(8, 19)
