@@ -95,9 +95,11 @@ paper: $(READY)
 	@echo "== results/paper/article.pdf"
 
 # All tables and figures as one page for the browser, with the command behind each; the trade-off too where it was measured.
-# The pages of predictions, to which it links, lie beside it in results/view.
+# The pages of predictions, to which it links, lie beside it in results/view; results/gallery.html has all tables and figures
+# below each other.
 report: $(READY)
 	@$(BIN)/foggy view --results
+	@$(BIN)/foggy gallery
 	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 

@@ -29,6 +29,7 @@ TOOLS = {
     "code": "write what counts of the code of each job, for DVC",
     "croissant": "describe foggy images that were made, for tools that load datasets",
     "export": "write a trained model as one file that runs without this project",
+    "gallery": "put all tables and figures that are made on one page",
     "stability": "check the numbers of each arithmetic at the extremes of their inputs",
     "tradeoff": "weigh what cheaper arithmetic saves against what it changes",
     "networks": "show the networks at their published size",
