@@ -173,7 +173,7 @@ lock: $(READY)
 	@$(BIN)/pip-compile --quiet --upgrade --extra experiment --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
-	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --extra experiment --extra test \
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --no-emit-index-url --extra experiment --extra test \
 		--python-version 3.11 --constraint requirements.lock pyproject.toml --output-file requirements-hashes.lock
 	@awk '/^[a-zA-Z0-9]/ {skip = /^(torch|triton|cuda-[a-z]+|nvidia-[a-z0-9-]+)==/ && !/^nvidia-ml-py==/} !skip' \
 		requirements-hashes.lock > requirements-hashes.new && mv requirements-hashes.new requirements-hashes.lock
