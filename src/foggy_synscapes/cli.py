@@ -13,7 +13,7 @@ PIPELINE = {
     "scenes": "render the stand-in data in the real layouts, and list what each dataset holds",
     "filter": "keep frames by their metadata",
     "complete": "complete depth from stereo, and refine its transmittance",
-    "fog": "estimate the atmospheric light and render fog; alone: fog on any RGB and depth",
+    "fog": "estimate the airlight and render fog; alone: fog on any RGB and depth",
     "subset": "list the images and labels that a row trains on",
     "train": "train or fine-tune a network on a list",
     "evaluate": "score a model on a test set; alone: score any PNG predictions",
