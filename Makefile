@@ -95,9 +95,11 @@ paper: $(READY)
 	@echo "== results/paper/article.pdf"
 
 # All tables and figures as one page for the browser, with the command behind each; the trade-off too where it was measured.
-# The pages of predictions, to which it links, lie beside it in results/view.
+# The pages of predictions, to which it links, lie beside it in results/view; results/gallery.html has all tables and figures
+# below each other.
 report: $(READY)
 	@$(BIN)/foggy view --results
+	@$(BIN)/foggy gallery
 	@$(BIN)/snakemake all $(if $(wildcard results/tradeoff/networks.run.json),tradeoff) --report results/report.html
 	@echo "== results/report.html"
 
@@ -177,7 +179,7 @@ lock: $(READY)
 	@$(BIN)/pip-compile --quiet --upgrade --extra experiment --extra test --strip-extras --no-emit-index-url --no-emit-trusted-host \
 		--no-emit-find-links --no-emit-options --no-header --output-file requirements.lock pyproject.toml
 	@sed -i -E 's/^(torch==[0-9.]+)\+[a-z0-9]+/\1/' requirements.lock
-	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --extra experiment --extra test \
+	@$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --no-emit-index-url --extra experiment --extra test \
 		--python-version 3.11 --constraint requirements.lock pyproject.toml --output-file requirements-hashes.lock
 	@awk '/^[a-zA-Z0-9]/ {skip = /^(torch|triton|cuda-[a-z]+|nvidia-[a-z0-9-]+)==/ && !/^nvidia-ml-py==/} !skip' \
 		requirements-hashes.lock > requirements-hashes.new && mv requirements-hashes.new requirements-hashes.lock

@@ -14,11 +14,14 @@ from foggy_synscapes.io.atomic import write_text
 
 HEAD = """# Python API
 
-What a script or a notebook calls, made from the docstrings by `make schema`. Arrays are in (row, column) order, lengths
-in metres, beta in 1/m. The examples are run by `make test`.
+What a script or a notebook calls, made from the docstrings by `make schema`. Names of the first part are imported from
+the package itself (`from foggy_synscapes import fog`), those of the others from their modules. Arrays are in (row,
+column) order, lengths in metres, beta in 1/m. The examples are run by `make test`; a notebook that uses them is
+[fog_and_scores.ipynb](../examples/fog_and_scores.ipynb).
 """
 # Modules whose public functions and classes are shown, by the heading that they stand under.
 SHOWN = {
+    "The package itself": ("api",),
     "Fog": ("fog.optics", "fog.geometry", "fog.airlight"),
     "Camera": ("camera",),
     "Scores": ("scoring.confusion", "scoring.iou"),

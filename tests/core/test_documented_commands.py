@@ -41,6 +41,7 @@ NOT_RUN = {
     "mkdir": "of the shell",
     ".": "of the shell",
     "cd": "of the shell",
+    "eval": "changes the shell",
 }
 # Words of `foggy` that are not run here, and why; those of every other word are.
 NOT_RUN_HERE = {
@@ -128,6 +129,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = fog_frames.write_frames(folder / "ROOT", 3)
     (folder / "results/scenes").mkdir(parents=True)
     (folder / "results/scenes/synscapes").symlink_to(root)
+    (folder / "img").symlink_to(root / "img")
     (folder / "IMAGES").symlink_to((root / synscapes.rgb(1)).parent)
     (folder / "DEPTHS").symlink_to((root / synscapes.depth(1)).parent)
     ids = np.arange(19, dtype=np.uint8).repeat(8).reshape(8, 19)
@@ -148,7 +150,10 @@ def _runs(words: tuple[str, ...]) -> bool:
     return word not in NOT_RUN_HERE and alone and not places and "--dvc" not in words and "--check" not in words
 
 
-@pytest.mark.parametrize("words", sorted({words for _, words in OWN if _runs(words)}), ids=" ".join)
+# The recipes are run by tests/stages/test_recipes.py, on files of their layouts.
+@pytest.mark.parametrize(
+    "words", sorted({words for page, words in OWN if page != "recipes.md" and _runs(words)}), ids=" ".join
+)
 def test_commands_that_can_run_do(
     folder: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
@@ -168,7 +173,7 @@ def test_the_readmes_doors_print_what_it_says(
     printed = capsys.readouterr().out
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     (said,) = re.findall(r"prints `(fog: [^`]*), \.\.\.`", readme)
-    assert printed.startswith(said)
+    assert said in printed
     assert len(list((tmp_path / "foggy/beta_0.01/foggy_img").glob("*.png"))) == 2
     assert (tmp_path / "foggy/airlight.csv").is_file()
     assert parameters.load(folder / "params.yaml").fog.betas

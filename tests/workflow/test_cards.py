@@ -1,6 +1,7 @@
-"""`foggy card` and `foggy croissant` say of a finished run what its records and scores say."""
+"""`foggy card`, `foggy croissant` and `foggy gallery` say of a finished run what its records and scores say."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -65,3 +66,23 @@ def test_a_description_of_nothing_or_without_a_date_is_refused(finished: Path, c
     assert "results/filter: no foggy images in shards" in capsys.readouterr().err
     assert main(["croissant", "results/filter", "--date", "today", *PARAMS]) == 2
     assert "--date today: expected year, month and day" in capsys.readouterr().err
+
+
+def test_the_gallery_shows_every_table_and_figure_without_the_web(finished: Path) -> None:
+    assert main(["gallery", "--out", "gallery.html", *PARAMS]) == 0
+    page = Path("gallery.html").read_text(encoding="utf-8")
+    made = sorted(path.stem for path in Path("results/figures").glob("*.png"))
+    assert sorted(re.findall(r'<img alt="(\w+)" src="data:image/png;base64,', page)) == made
+    for table in Path("results/tables").glob("*.html"):
+        assert re.sub(r".*<body>|</body>.*", "", table.read_text(), flags=re.DOTALL) in page
+    assert not re.search(r'(?:src|href)="(?!#|data:)', page)
+    Path("gallery.html").unlink()
+
+
+def test_a_gallery_of_nothing_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    (tmp_path / "params.yaml").write_text("{}\n")
+    monkeypatch.chdir(tmp_path)
+    assert main(["gallery"]) == 1
+    assert "no table or figure is made yet" in capsys.readouterr().err

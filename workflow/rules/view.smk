@@ -3,7 +3,7 @@ for step in steps("view"):
     rule:
         """Make the page on which predictions on one test set are looked at."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -20,5 +20,7 @@ for step in steps("view"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"

@@ -54,7 +54,7 @@ class Fog(Section):
         published="24,500 and 500",
     )
     blue_airlight: Literal["keep", "drop", "grey"] = setting(
-        "what to do where the atmospheric light is blue", source="section III, failure case"
+        "what to do where the airlight is blue", source="section III, failure case"
     )
     png_level: int = setting(
         "of the foggy images; 0: codes for photographs, fastest; 1 to 3: effort of deflate", ge=0, le=3
