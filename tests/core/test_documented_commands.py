@@ -73,6 +73,8 @@ def commands() -> Iterator[tuple[str, list[str]]]:
 
 
 COMMANDS = list(dict.fromkeys((page, tuple(words)) for page, words in commands()))
+RECIPES = "recipes.md"
+"""Each command of this page is run by tests/stages/test_recipes.py, on files of its layout."""
 OWN = [each for each in COMMANDS if each[1][0] == "foggy"]
 
 
@@ -150,9 +152,8 @@ def _runs(words: tuple[str, ...]) -> bool:
     return word not in NOT_RUN_HERE and alone and not places and "--dvc" not in words and "--check" not in words
 
 
-# The recipes are run by tests/stages/test_recipes.py, on files of their layouts.
 @pytest.mark.parametrize(
-    "words", sorted({words for page, words in OWN if page != "recipes.md" and _runs(words)}), ids=" ".join
+    "words", sorted({words for page, words in OWN if page != RECIPES and _runs(words)}), ids=" ".join
 )
 def test_commands_that_can_run_do(
     folder: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
