@@ -17,7 +17,7 @@ for step in steps("atlas"):
     rule:
         """Score the fog models against path tracing: `snakemake --cores 1 atlas`. Its times differ run by run."""
         name:
-            step.name
+            step.rule
         input:
             inputs(step),
         output:
@@ -34,5 +34,7 @@ for step in steps("atlas"):
         params:
             command=command(step),
             reads=reads(step),
+        message:
+            MESSAGE
         shell:
-            "{params.command}{PARAMS_OPTION} > {log:q} 2>&1"
+            "{params.command} > {log:q} 2>&1"
