@@ -48,7 +48,7 @@ def _heat(levels: np.ndarray) -> np.ndarray:
 FIGURE = Figure(
     text="Fog by true depth, by depth completed from a simulated stereo camera, and their difference.",
     inputs=(FRAMES,),
-    keys=("fog.betas", "fog.geometry", "fog.model", "scenes.shards", "stereo"),
+    keys=("fog.betas", "fog.geometry", "fog.model", "fog.values", "scenes.shards", "stereo"),
     draw=draw,
     asked="stereo",
 )

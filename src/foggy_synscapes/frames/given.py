@@ -15,7 +15,7 @@ from foggy_synscapes.depth.refinement import composite
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fog.geometry import Rays, straight
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import chosen
 from foggy_synscapes.frames import folders, rendering
 from foggy_synscapes.frames.cameras import Intrinsics, of_fov, parse
 from foggy_synscapes.frames.finding import Frame
@@ -26,6 +26,7 @@ from foggy_synscapes.io.images import encode_png
 from foggy_synscapes.io.pictures import QUALITY, encode_jpeg, read_picture
 
 PNG, JPEG = "png", "jpg"
+HOMOGENEOUS = "homogeneous"
 REFUSE, FAR, COMPLETE = "refuse", "far", "complete"
 ANSWERS = (REFUSE, FAR, COMPLETE)
 """What to do where pixels have no depth: refuse the frame, take them for infinitely far, or complete them."""
@@ -178,9 +179,13 @@ class GivenJob(folders.Job):
         """Foggy images as files, one per beta."""
         if self.ending == PNG:
             return super().foggy(clear, rays, light, betas)
-        numbers = [float(beta) for beta in betas]
-        images = MODELS[self.model].images(clear.image, clear.depth, rays, light.levels, numbers)
-        return (encode_jpeg(image, self.quality) for image in images)
+        return (self._jpeg(clear, rays, light, float(beta)) for beta in betas)
+
+    def _jpeg(self, clear: rendering.Clear, rays: Rays, light: Airlight, beta: float) -> bytes:
+        frame, model = (clear.image, clear.depth, rays, light.levels), chosen(self.model)
+        if model.choose is not None:
+            model = chosen(model.choose(*frame, beta).model)
+        return encode_jpeg(model.images(*frame, [beta])[0], self.quality)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from foggy_synscapes.errors import FoggyError, UsageError
 from foggy_synscapes.frames import cameras, patterns
 from foggy_synscapes.frames.finding import IMAGES, order, parse_ids
 from foggy_synscapes.frames.folders import Job
-from foggy_synscapes.frames.given import ANSWERS, JPEG, PNG, REFUSE, GivenFrame, GivenJob, MapJob
+from foggy_synscapes.frames.given import ANSWERS, HOMOGENEOUS, JPEG, PNG, REFUSE, GivenFrame, GivenJob, MapJob
 from foggy_synscapes.io.depth_files import FORMATS, known
 from foggy_synscapes.io.pictures import QUALITY
 
@@ -129,6 +129,8 @@ def frames(args: argparse.Namespace, job: Job) -> tuple[list[GivenFrame], GivenJ
                 "--transmittance-map: goes with --rgb and the one --beta that the maps are of, without --depth, "
                 "--camera and --transmittance"
             )
+        if job.model != HOMOGENEOUS:
+            raise UsageError(f"--model {job.model}: a map of transmittance says already how dense the fog is")
         return found(args.rgb, args.transmittance_map, None, args.ids, args.out), MapJob(**vars(job), **more)
     made = GivenJob(**vars(job), **more)
     stated = [name for name in ("camera", "fov", "intrinsics") if getattr(args, name) is not None]

@@ -208,6 +208,10 @@ class Params(Section):
                 f"stereo: {'missing' if completed else 'there'}, but subset.completed has "
                 f"{', '.join(completed) or 'none'}; both go together"
             )
+        if completed and self.fog.model != "homogeneous":
+            raise ValueError(
+                f"fog.model: {self.fog.model}, but fog of completed depth is homogeneous; so has to be the other"
+            )
         for row, entry in completed.items():
             ends = self.fog.frames.first, self.fog.frames.last
             if entry.beta not in self.fog.betas or entry.train > ends[0] or entry.validation > ends[1]:
