@@ -15,7 +15,7 @@ from foggy_synscapes.depth.refinement import composite
 from foggy_synscapes.errors import FoggyError
 from foggy_synscapes.fog.airlight import Airlight
 from foggy_synscapes.fog.geometry import Rays, straight
-from foggy_synscapes.fog.models import MODELS
+from foggy_synscapes.fog.models import chosen
 from foggy_synscapes.frames import folders, rendering
 from foggy_synscapes.frames.cameras import Intrinsics, of_fov, parse
 from foggy_synscapes.frames.finding import Frame
@@ -179,7 +179,7 @@ class GivenJob(folders.Job):
         if self.ending == PNG:
             return super().foggy(clear, rays, light, betas)
         numbers = [float(beta) for beta in betas]
-        images = MODELS[self.model].images(clear.image, clear.depth, rays, light.levels, numbers)
+        images = chosen(self.model).images(clear.image, clear.depth, rays, light.levels, numbers)
         return (encode_jpeg(image, self.quality) for image in images)
 
 
