@@ -69,6 +69,8 @@ def test_rows_name_their_model_and_its_values_follow() -> None:
     (one,) = {str(job.output("shard").parent) for job in jobs if job.values["model"] == "layered"}
     assert one == "results/fog/layered/beta_0.02"
     assert found.fog.spelt("layered") == "layered"
+    assert found.fog_models() == "Fog models: FS-layered: layered; FS-surround: surround."
+    assert params.check({}, "params.yaml").fog_models() == ""
 
 
 @pytest.mark.parametrize(
