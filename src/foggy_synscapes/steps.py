@@ -250,7 +250,7 @@ def _tables() -> Step:
         inputs=sources(["metrics"]),
         outputs={**files(TABLE, "csv", "tex", "md", "html", "json"), "record": f"{TABLE}.run.json"},
         metrics=("json",),
-        params=("tables", "subset.*", "scenes.roots", NETWORK, SEED, *ROWS),
+        params=("tables", "subset.*", FOG_MODEL, FOG_VALUES, "scenes.roots", NETWORK, SEED, *ROWS),
         code=(f"networks.*{NETWORK}", "datasets.{test_set}"),
         minutes=30,
     )

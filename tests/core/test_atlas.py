@@ -115,13 +115,18 @@ def test_without_mitsuba_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> 
         pathtracing.mitsuba()
 
 
-def test_a_scene_of_the_surrounds_own_light_scatters_nothing() -> None:
-    """The shifted furnace: with R = E there is nothing to render, whatever scatters; exactly 0."""
+def test_scattered_light_is_linear_in_what_shines_and_never_more_than_fog_takes() -> None:
+    """A black scene, R - E = -E: each channel loses the same share of E, and at most what does not come straight."""
     pytest.importorskip("mitsuba", reason="needs the extra `reference`")
-    plain = scene(0)
-    uniform = np.full_like(plain.image, plain.airlight)
-    furnace = Scene(uniform, plain.depth, plain.labels, plain.camera, plain.pitch, plain.height)
-    assert not np.abs(pathtracing.scattered(furnace, Cell(0, 0.02), 2, 0)).max()
+    plain, cell = scene(0), Cell(0, 0.02)
+    black = Scene(np.zeros_like(plain.image), plain.depth, plain.labels, plain.camera, plain.pitch, plain.height)
+    # The airlight is estimated from the image, so it is stated by the surround's own frame.
+    beyond = plain.surround(OPEN)
+    black.__dict__["surround"] = lambda _name: beyond
+    share = pathtracing.scattered(black, cell, 4, 0) / -beyond
+    assert np.ptp(share.mean(axis=(0, 1))) < 1e-4
+    lost = 1 - np.exp(-cell.beta * plain.depth * errors.along(plain).factor())
+    assert 0.2 * lost.mean() < share.mean() < lost.mean()
 
 
 def test_the_stored_reference_is_what_path_tracing_gives(found: dict[Cell, store.Scattered]) -> None:

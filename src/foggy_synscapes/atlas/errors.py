@@ -45,8 +45,8 @@ class Rung:
         name = models.values_of(self.model)[0]
         if name == "surround" and values.get("share") != 0 and cell.surround == GROUND:
             values["surround"] = GROUND
-        if name == "layered":
-            values |= {"scale_height": cell.height or 1e5}
+        if name == "layered" and cell.height:
+            values["scale_height"] = cell.height
         if self.airlight == SURROUND:
             values["airlight"] = [*light]
         elif self.dimmed != 1:

@@ -1,12 +1,12 @@
 """What the atlas shows: one frame in every model beside the reference, and its findings in words and tables."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from foggy_synscapes.atlas.cells import GROUND, OPEN, SIDE_BETA, Cell
+from foggy_synscapes.atlas.cells import OPEN, SIDE_BETA, Cell
 from foggy_synscapes.atlas.errors import Rung, along, difference, made
 from foggy_synscapes.atlas.scenes import scene
 from foggy_synscapes.atlas.store import BLOCK, Scattered
@@ -23,22 +23,22 @@ CORE = ["surround", "beta"]
 OUTSIDE = "outside the frame"
 
 
-def figure(rungs: Sequence[Rung], found: dict[Cell, Scattered]) -> "Figure":
-    """The same frame in every model, in open and ground surround, and below each its difference to the reference."""
+def figure(rungs: Mapping[str, Sequence[Rung]], found: dict[Cell, Scattered]) -> "Figure":
+    """The same frame in every model, by surround, and below each its difference to the reference."""
     from foggy_synscapes.figures.panels import grid
 
     clear = scene(SHOWN).image
     lines, notes = [], []
-    for beyond in (OPEN, GROUND):
+    for beyond, shown in rungs.items():
         cell = Cell(SHOWN, SIDE_BETA, beyond)
         traced = painted(cell, found[cell])
-        offs = [difference(rung, cell, found[cell]) for rung in rungs]
-        lines += [[clear, traced, *(made(rung, cell) for rung in rungs)]]
+        offs = [difference(rung, cell, found[cell]) for rung in shown]
+        lines += [[clear, traced, *(made(rung, cell) for rung in shown)]]
         blank = np.full_like(clear, 255)
         lines += [[blank, blank, *(signed(off, clear.shape[:2]) for off in offs)]]
-        notes += [[""] * (len(rungs) + 2), ["", "", *(f"{np.abs(off).mean():.1f} levels" for off in offs)]]
-    rows = [OPEN, "difference", GROUND, "difference"]
-    heads = ["clear", "path tracing", *(rung.name for rung in rungs)]
+        notes += [[""] * (len(shown) + 2), ["", "", *(f"{np.abs(off).mean():.1f} levels" for off in offs)]]
+    rows = [row for beyond in rungs for row in (beyond, "difference")]
+    heads = ["clear", "path tracing", *(rung.name for rung in next(iter(rungs.values())))]
     return grid(lines, heads, rows, notes)
 
 

@@ -63,13 +63,14 @@ def uneven(depth, rows, columns, scale, across, down, grid, cell, offset, contra
     size = np.uint64(grid.shape[0])
     mask, rows_of, cells = size - np.uint64(1), size * size, grid.ravel()
     # Whole periods ahead, so that no position is negative and its integer part is what a conversion leaves.
+    narrow, per_step, share = 1.0 / scale, 1.0 / (steps * cell), contrast / steps
     start = offset + size * np.float64(AHEAD)
     for y in range(height):
         for x in range(width):
-            factor = math.sqrt((rows[y] + columns[x]) / scale)
+            factor = math.sqrt((rows[y] + columns[x]) * narrow)
             whole = min(np.float64(depth[y, x]), 1e30)
             near = min(whole, reach / factor)
-            step = near / (steps * cell)
+            step = near * per_step
             ax, ay, az = across[x] * step, down[y] * step, step
             px, py, pz = start[0] + 0.5 * ax, start[1] + 0.5 * ay, start[2] + 0.5 * az
             total = F(0.0)
@@ -88,4 +89,4 @@ def uneven(depth, rows, columns, scale, across, down, grid, cell, offset, contra
                 px += ax
                 py += ay
                 pz += az
-            out[y, x] = (whole + near * contrast * (total / steps)) * factor
+            out[y, x] = (whole + near * share * total) * factor

@@ -248,6 +248,14 @@ class Params(Section):
             raise ValueError(f"scenes.stand_in.synscapes: {drawn} frames, fewer than fog.frames asks for")
         return self
 
+    def fog_models(self) -> str:
+        """What tables say of the fog models, where they are not all the paper's."""
+        spelt = self.fog.spelt()
+        found = [] if spelt == "homogeneous" else [f"Fog of Foggy Synscapes: {spelt}"]
+        rows = self.subset.by_own_model().items()
+        found += [f"{row}: {self.fog.spelt(entry.model)}" for row, entry in rows if isinstance(entry, ModelledRow)]
+        return f"Fog models: {'; '.join(found)}." if found else ""
+
     def device_of(self, word: str) -> Device:
         """Where the networks of a command compute, such as train: where its section says, or else `device`."""
         return getattr(getattr(self, word, None), "device", None) or self.device

@@ -21,6 +21,7 @@ from foggy_synscapes.steps import job
 HELP = "Score the fog models against path tracing, in grey levels: which one is enough for which fog."
 TIMED = 720, 1440
 """Rows and columns of the frame that is timed, those of Synscapes."""
+LINEAR = "surround:share=0"
 LADDER = ("none", "homogeneous", "layered", "heterogeneous", "surround")
 
 
@@ -89,7 +90,7 @@ def atlas(params: Params) -> None:
     }
     parts = [caption, *(f"## {head}\n{long_markdown(_rounded(part))}" for head, part in heads.items())]
     parts.append(f"On frames that were not fitted on, the bound held in {within:.0%} of {len(held)} cases.")
-    figure = page.figure(_shown(dims), found)
+    figure = page.figure({beyond: shown(dims[beyond]) for beyond in dims}, found)
     run.write(
         csv=scored.to_csv(index=False, lineterminator="\n", float_format="%.3f"),
         tex=long_latex(_rounded(page.core(scored)), caption, "table:atlas"),
@@ -107,7 +108,7 @@ def atlas(params: Params) -> None:
 def _rungs(cell: Cell, dims: dict[str, float]) -> list[Rung]:
     """What is scored at a cell."""
     found = [Rung(name, name) for name in ("none", "homogeneous", "surround")]
-    found.append(Rung("homogeneous, in linear light", "surround:share=0"))
+    found.append(Rung("homogeneous, in linear light", LINEAR))
     if cell.surround in dims:
         found.append(Rung(ladder.DIMMED, "homogeneous", dimmed=dims[cell.surround]))
     if cell.surround == SKY:
@@ -119,9 +120,11 @@ def _rungs(cell: Cell, dims: dict[str, float]) -> list[Rung]:
     return found
 
 
-def _shown(dims: dict[str, float]) -> list[Rung]:
-    """What is drawn, at every surround alike."""
-    return _rungs(Cell(page.SHOWN, 0.02), {OPEN: dims[OPEN]})
+def shown(dim: float) -> list[Rung]:
+    """What is drawn: every model at its defaults, the airlight dimmed by this, and the standard one in linear light."""
+    found = [Rung(name, name) for name in LADDER]
+    found.insert(2, Rung(ladder.DIMMED, "homogeneous", dimmed=dim))
+    return [*found, Rung("in linear light", LINEAR)]
 
 
 def _scored(cell: Cell, one: store.Scattered, dims: dict[str, float]) -> pd.DataFrame:

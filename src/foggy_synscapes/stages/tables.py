@@ -122,7 +122,7 @@ def tables(params: Params, test_set: str, paper: bool = False) -> None:
                     documents.append(document)
                     _same_labels(documents, path)
     results = collect(labels, runs, load_published(test_set))
-    made = ours.tables(test_set, results, annotated_classes(documents), params.stand_in)
+    made = ours.tables(test_set, results, annotated_classes(documents), params.stand_in, params.fog_models())
     run.write(
         csv=ours.long_csv(test_set, results),
         tex=formats.latex(made, f"Made by {' '.join(this.command)}."),

@@ -111,15 +111,18 @@ def _scores(document: dict[str, Any] | None) -> pd.Series:
     return pd.Series(found, NAMES, dtype=float)
 
 
-def tables(test_set: str, results: Results, annotated: list[str] | None, stand_in: bool) -> list[Table]:
-    """The table of our runs in the paper's form and, for a published test set, the tables against the paper."""
+def tables(test_set: str, results: Results, annotated: list[str] | None, stand_in: bool, fog: str = "") -> list[Table]:
+    """The table of our runs in the paper's form and, for a published test set, the tables against the paper.
+
+    fog : what is to be said of the fog models of its rows
+    """
     data = f"{DATASETS[test_set].title}{' (stand-in)' if stand_in else ''}"
     conventions = {
         ANNOTATED: "annotated" if annotated is None else f"{len(annotated)} annotated",
         AS_PUBLISHED: "19 as published",
     }
     heads = HEADS | {name: f"{MEAN}, {text}" for name, text in conventions.items()}
-    published, notes = results.wide("published"), _notes(annotated, results, stand_in)
+    published, notes = results.wide("published"), _notes(annotated, results, stand_in) + ([fog] if fog else [])
     known = {name for name in CLASSES if published[name].notna().any()}
     other = [f"The paper's column is over its own {len(known)} annotated classes."]
 
