@@ -42,7 +42,7 @@ def fill(image: np.ndarray, depth: np.ndarray, seed: int = SEED) -> np.ndarray:
     measured = depth.size - np.count_nonzero(missing)
     if not missing.any():
         return depth.copy()
-    share, wanted = measured / depth.size, max(1, min(WANTED, measured // MEASURED))
+    share, wanted = measured / depth.size, max(1, min(WANTED, int(measured // MEASURED)))
     found = np.where(missing, np.inf, depth)
     labels, count = slic(image, wanted)
     pixels = kernels.pixels_of_segments(labels, count)

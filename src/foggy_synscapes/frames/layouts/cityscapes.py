@@ -42,12 +42,12 @@ class StereoJob(Job):
     """What to make of each stereo frame: foggy images, maps of their transmittance, and completed depth.
 
     refine : one of `stereo.REFINEMENTS`; seed : of the random permutations
-    foggy, depth : whether foggy images and depth are written
+    images, depth : whether foggy images and depth are written
     """
 
     refine: str = stereo.GUIDED
     seed: int = SEED
-    foggy: bool = True
+    images: bool = True
     depth: bool = False
 
     made = "*/*/*/[!.]*"
@@ -60,7 +60,7 @@ class StereoJob(Job):
 
     def _targets(self, frame: Frame) -> dict[Path, tuple[str, str]]:
         """Kind and beta by path of all that is made of a frame; folders and names as they are published."""
-        kinds = ([stereo.FOGGY] if self.foggy else []) + ([stereo.TRANSMITTANCE] if self.transmittance else [])
+        kinds = ([stereo.FOGGY] if self.images else []) + ([stereo.TRANSMITTANCE] if self.transmittance else [])
         found = {self.out / "depth" / depth_name(frame.id): (DEPTH, "")} if self.depth else {}
         for kind in kinds:
             for beta in self.betas:
@@ -119,7 +119,7 @@ def complete(request: Request, job: Job) -> tuple[list[Frame], Job]:
     """Completed depth of frames, and transmittance where there are betas."""
     refine = _refinement(request)
     settings = {**vars(job), "transmittance": bool(job.betas)}
-    made = StereoJob(**settings, refine=refine, seed=_seed(request), foggy=False, depth=True)
+    made = StereoJob(**settings, refine=refine, seed=_seed(request), images=False, depth=True)
     return _frames(request, refine if job.betas else stereo.GUIDED), made
 
 
