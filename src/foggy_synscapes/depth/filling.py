@@ -39,7 +39,7 @@ def fill(image: np.ndarray, depth: np.ndarray, seed: int = SEED) -> np.ndarray:
     if image.shape[:2] != depth.shape or image.ndim != 3:
         raise ValueError(f"shapes differ: image {image.shape[:2]}, depth {depth.shape} (rows, columns)")
     missing = np.isnan(depth)
-    measured = depth.size - np.count_nonzero(missing)
+    measured = depth.size - int(np.count_nonzero(missing))
     if not missing.any():
         return depth.copy()
     share, wanted = measured / depth.size, max(1, min(WANTED, int(measured // MEASURED)))

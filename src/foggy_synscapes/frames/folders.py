@@ -66,7 +66,7 @@ class Job:
             "png_level": self.level,
         }
 
-    def foggy(self, clear: rendering.Clear, rays: Rays, light: Airlight, betas: Sequence[str]) -> Iterator[bytes]:
+    def foggy_files(self, clear: rendering.Clear, rays: Rays, light: Airlight, betas: Sequence[str]) -> Iterator[bytes]:
         """Foggy images as files, one per beta."""
         return rendering.foggy_pngs(self.model, clear, rays, light, list(betas), self.level)
 
@@ -182,7 +182,7 @@ def _encoded(
 ) -> Iterator[tuple[Path, bytes]]:
     foggy, maps = job.paths(frame)
     kinds = (
-        (foggy, partial(job.foggy, clear, rays, light)),
+        (foggy, partial(job.foggy_files, clear, rays, light)),
         (maps, partial(rendering.transmittance_pngs, job.model, clear, rays, level=job.level)),
     )
     for paths, encode in kinds:

@@ -175,10 +175,10 @@ class GivenJob(folders.Job):
         except ValueError as error:
             raise FoggyError(f"{name}: {error}. Take --missing far, or denser depth.") from error
 
-    def foggy(self, clear: rendering.Clear, rays: Rays, light: Airlight, betas: Sequence[str]) -> Iterator[bytes]:
+    def foggy_files(self, clear: rendering.Clear, rays: Rays, light: Airlight, betas: Sequence[str]) -> Iterator[bytes]:
         """Foggy images as files, one per beta."""
         if self.ending == PNG:
-            return super().foggy(clear, rays, light, betas)
+            return super().foggy_files(clear, rays, light, betas)
         return (self._jpeg(clear, rays, light, float(beta)) for beta in betas)
 
     def _jpeg(self, clear: rendering.Clear, rays: Rays, light: Airlight, beta: float) -> bytes:
