@@ -104,6 +104,14 @@ def test_code_that_is_edited_meanwhile_leaves_the_output_under_its_own_identity(
     assert stale() == [TRAIN, *(name for name in stale() if name.startswith("tables"))]
 
 
+def test_an_output_that_something_else_changes_before_its_record_fails_the_job(folder: Path) -> None:
+    before = MODEL.with_name("run.json").read_bytes()
+    with pytest.raises(FoggyError, match=r"model\.txt: was changed by something else while .*train --seed 0 ran"):
+        tiny_chain.run(job(TRAIN), {"unrecorded": lambda: edit(MODEL, "x" * len(MODEL.read_text()), True)})
+    assert MODEL.with_name("run.json").read_bytes() == before
+    assert TRAIN in stale()
+
+
 # What is current.
 
 CHANGES: dict[str, tuple[Callable[[], None], str]] = {
@@ -124,6 +132,32 @@ def test_an_edit_with_an_old_time_is_seen_and_mended_by_the_normal_command(folde
     assert first in stale()
     tiny_engines.snakemake()
     assert stale() == []
+
+
+@pytest.mark.parametrize("gone", [lambda index: index.unlink(), lambda index: edit(index, "path,size,sha256\n", True)])
+def test_raw_files_are_looked_at_where_their_index_is_gone(folder: Path, gone: Callable[[Path], None]) -> None:
+    index = Path(tiny_chain.INDEX)
+    gone(index)
+    assert "fog --shard 0000" not in stale()  # it comes out as it was
+    edit("raw/a.txt", "z", True)
+    assert {"scenes --dataset synscapes", "fog --shard 0000", TRAIN} <= {*stale()}
+    tiny_engines.snakemake()
+    assert stale() == []
+    assert "z" in Path("results/fog/0000.tar").read_text()
+
+
+def test_a_missing_file_waits_for_the_altered_one_that_it_is_made_of(folder: Path) -> None:
+    table, before = Path("results/tables/foggy_driving.csv"), MODEL.read_bytes()
+    edit(MODEL, "x")
+    table.unlink()
+    found = {
+        tiny_engines.name(again.node.job): again.alone
+        for again in out_of_date(tiny_chain.params_here(), asked=[str(table)])
+    }
+    assert found == {TRAIN: True, "tables --test-set foggy_driving": True}
+    tiny_engines.snakemake()
+    assert MODEL.read_bytes() == before
+    assert table.is_file()
 
 
 def test_results_of_another_clone_and_of_a_job_run_by_hand_are_compared(folder: Path, tmp_path: Path) -> None:
