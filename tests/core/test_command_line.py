@@ -8,7 +8,6 @@ import pytest
 
 from foggy_synscapes import __version__, cli, commands
 from foggy_synscapes.cli import main
-from foggy_synscapes.fog.models import MODELS
 
 
 def test_the_version_is_printed(capsys) -> None:
@@ -44,7 +43,6 @@ def completed(*words: str) -> list[str]:
         (["foggy", "--v"], ["--version"]),
         (["foggy", "fog", "--geo"], ["--geometry"]),
         (["foggy", "fog", "--geometry", ""], ["paper", "exact"]),
-        (["foggy", "fog", "--model", ""], MODELS.names()),
         (["foggy", "adopt", "--from", "d"], ["dvc"]),
         (["foggy", "completion", ""], ["bash", "zsh"]),
         (["foggy", "fog", "--out", ""], []),

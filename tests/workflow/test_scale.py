@@ -22,7 +22,7 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> str:
     scale.plan(folder, FRAMES)
     run(folder, "foggy_synscapes", "scenes", "--dataset", "synscapes", "--params", "params/scale.yaml")
     profiles = ("--profile", "workflow/profiles/slurm", "--workflow-profile", "none")
-    return run(folder, "snakemake", *profiles, "--dry-run", "--configfile", "params/scale.yaml")
+    return run(folder, "snakemake", *profiles, "--dry-run", "--printshellcmds", "--configfile", "params/scale.yaml")
 
 
 def asked(plan: str, rule: str) -> list[dict[str, str]]:
@@ -32,7 +32,7 @@ def asked(plan: str, rule: str) -> list[dict[str, str]]:
 
 
 def test_fog_is_planned_by_shard_and_beta_not_by_image(plan: str) -> None:
-    assert len(asked(plan, "fog")) == 2 * len(scale.BETAS)
+    assert len(asked(plan, "fog_each")) == 2 * len(scale.BETAS)
     assert len(asked(plan, "fog_airlight")) == 2
 
 
@@ -48,11 +48,11 @@ def test_every_job_says_how_much_memory_and_time_it_wants(plan: str) -> None:
 def test_training_asks_for_a_gpu_where_the_params_say_cuda_and_fog_never_does(plan: str) -> None:
     assert asked(plan, "train_from_baseline")[0]["gpu"] == "1"
     assert asked(plan, "train_from_weights")[0]["gpu"] == "1"
-    assert "gpu" not in asked(plan, "fog")[0]
+    assert "gpu" not in asked(plan, "fog_each")[0]
 
 
 def test_only_snakemake_submits_a_lost_job_again(plan: str) -> None:
-    assert asked(plan, "fog")[0]["slurm_extra"].strip("'") == "--no-requeue"
+    assert asked(plan, "fog_each")[0]["slurm_extra"].strip("'") == "--no-requeue"
 
 
 def test_a_clone_that_pulls_has_nothing_to_do(dvc: Path, tmp_path: Path) -> None:

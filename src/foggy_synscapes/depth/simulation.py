@@ -42,11 +42,11 @@ def measure(
 
     image : uint8 (H, W, 3); depth : (H, W), planar metres above 0, infinity is allowed; camera : of the left view
 
-    >>> image, depth = np.full((1, 4, 3), 90, np.uint8), np.array([[10.0, 10.0, 5.0, 10.0]])
-    >>> camera = Camera(fx=10.0, fy=10.0, u0=2.0, v0=0.5, resx=4, resy=1)
+    >>> image, depth = np.full((1, 5, 3), 90, np.uint8), np.array([[10.0, 10.0, 10.0, 10.0, 2.5]])
+    >>> camera = Camera(fx=10.0, fy=10.0, u0=2.0, v0=0.5, resx=5, resy=1)
     >>> exact = Errors(baseline=1.0, noise=0.0, step=1 / 256, least=0.0, levels=0.0)
-    >>> measure(image, depth, camera, exact, np.random.default_rng(0))[1].tolist()   # beyond the edge, hidden, 2, 1 px
-    [[0, 0, 513, 257]]
+    >>> measure(image, depth, camera, exact, np.random.default_rng(0))[1].tolist()  # outside, 1 px, hidden twice, 4 px
+    [[0, 257, 0, 0, 1025]]
     """
     columns = depth.shape[1]
     finer = columns / REFERENCE_COLUMNS

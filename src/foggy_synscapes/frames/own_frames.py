@@ -172,7 +172,9 @@ def found(rgb: str, depth: str, camera: str | None, ids: str | None, out: Path) 
         if every.setdefault(name, frame) is not frame:
             raise FoggyError(f"{path}: would give the same file names as {every[name].rgb}. Rename one of them.")
     if not every:
-        raise FoggyError(f"{rgb}: holds no image ({', '.join(IMAGES)}){' with these --ids' if ids else ''}")
+        odd = sorted(path for path in Path(rgb).rglob("*") if path.suffix.lower() in IMAGES and not path.is_file())
+        said = f"; {odd[0]} is no plain file" if odd else ""
+        raise FoggyError(f"{rgb}: holds no image ({', '.join(IMAGES)}){' with these --ids' if ids else ''}{said}")
     if not any(frame.depth.exists() for frame in every.values()):
         first = next(iter(every.values()))
         raise FoggyError(

@@ -25,7 +25,7 @@ def options() -> dict[str, set[str]]:
     """Options of a job's command by its word, of all steps of the experiment: a record is data, and only these are run.
 
     >>> sorted(options()["fog"])
-    ['--airlight', '--beta', '--shard', '--stereo']
+    ['--airlight', '--beta', '--completed', '--model', '--shard', '--stereo']
     """
     found: dict[str, set[str]] = {}
     for step in steps():
