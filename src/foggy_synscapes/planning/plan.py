@@ -77,7 +77,11 @@ def plan(params: Params, targets: Iterable[str] = ("all",)) -> tuple[Plan, list[
             each["evaluation"] += cost
             unknown += [] if cost else [values["test_set"]]
     shards = {job.values["shard"] for job in jobs if job.step.name == "fog_airlight"}
-    made = Counter(job.values["beta"] for job in jobs if job.step.name == "fog")
+    made = Counter(
+        (job.step.name, job.values["beta"], job.values.get("model"))
+        for job in jobs
+        if job.step.name in ("fog", "fog_model", "fog_completed")
+    )
     found = Plan(
         datasets={name: str(root(params, name)) for name in datasets(jobs)},
         jobs=dict(Counter(job.step.word for job in jobs)),
