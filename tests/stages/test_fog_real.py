@@ -49,21 +49,22 @@ def test_exact_geometry_changes_the_samples_by_one_level_at_most(real_data: Path
 
 @pytest.mark.parametrize("case", EDGES)
 def test_edge_cases_are_the_published_codes_to_the_pixel(real_data: Path, tmp_path: Path, case: str) -> None:
-    """The published demo took its camera as it was, whatever the size of the image: here only resx and resy differ."""
+    """The published demo took its camera as it was, whatever the size of the image: here only resx and resy differ.
+
+    It took a depth of 0 as it was, too, as is done with the layout of Synscapes.
+    """
     edge, out = real_data / "fog_reference" / "edge", tmp_path / "out"
-    for folder, source, name in (("rgb", f"{case}_rgb.png", f"{case}.png"), ("depth", f"{case}.exr", f"{case}.exr")):
-        (tmp_path / folder).mkdir()
-        shutil.copyfile(edge / source, tmp_path / folder / name)
+    for folder, source, name in (("rgb", f"{case}_rgb.png", "1.png"), ("depth", f"{case}.exr", "1.exr")):
+        (tmp_path / "img" / folder).mkdir(parents=True)
+        shutil.copyfile(edge / source, tmp_path / "img" / folder / name)
     image = read_rgb(edge / f"{case}_rgb.png")
     camera = json.loads((real_data / "synscapes" / "camera.json").read_text())
     camera["camera"]["intrinsic"] |= {"resx": image.shape[1], "resy": image.shape[0]}
     (tmp_path / "camera.json").write_text(json.dumps(camera))
-    paths = [
-        f"--{name}={tmp_path / path}" for name, path in (("rgb", "rgb"), ("depth", "depth"), ("camera", "camera.json"))
-    ]
+    paths = ["--synscapes", str(tmp_path), "--camera", str(tmp_path / "camera.json")]
     betas = [f"--beta={beta}" for beta in BETAS]
     assert main(["fog", *paths, *betas, "--out", str(out), "--transmittance"]) == 0
-    assert_same_pixels(out, case, edge, case)
+    assert_same_pixels(out, "00001", edge, case)
     np.testing.assert_array_equal(dark_channel(image), read_ids(edge / f"{case}_dark.png"))
 
 
