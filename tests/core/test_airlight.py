@@ -1,4 +1,4 @@
-"""The atmospheric light: a plain version of the published ranking as oracle, ties, tiny images, blue skies."""
+"""The airlight: a plain version of the published ranking as oracle, ties, tiny images, blue skies."""
 
 import numpy as np
 import pytest

@@ -248,7 +248,7 @@ def test_missing_depth_values_and_black_images_are_warned_about(root: Path, tmp_
     assert fog(root, tmp_path / "out") == 0
     error = capsys.readouterr().err
     assert "img/depth/1.exr: 7 pixels at distance 0, which usually means missing depth" in error
-    assert "img/rgb/2.png: its atmospheric light is black" in error
+    assert "img/rgb/2.png: its airlight is black" in error
     foggy = read_rgb(tmp_path / "out/beta_0.02/foggy_img/00001_beta_0.02.png")
     np.testing.assert_array_equal(foggy[20, :7], image[20, :7])
 

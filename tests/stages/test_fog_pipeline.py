@@ -125,7 +125,7 @@ def test_blue_skies_are_in_the_table_and_answered_as_asked(params: Params, answe
     assert f"4 frames of shard 0000; 1 blue, fog.blue_airlight {answer}" in said
     if answer == "drop":
         assert names() == [f"0000{n}_beta_0.005.png" for n in (1, 2, 4)]
-        assert "1 left out for their blue atmospheric light" in said
+        assert "1 left out for their blue airlight" in said
         return
     with Shard(SHARD) as shard:
         sky = read_rgb(shard.read("00005_beta_0.005.png"))[0, 0].tolist()

@@ -1,4 +1,4 @@
-"""The atmospheric light of an image: one colour, estimated from its haziest pixels by the dark channel.
+"""The airlight (atmospheric light) of an image: one colour, estimated from its haziest pixels by the dark channel.
 
 Source: He, Sun and Tang, Single Image Haze Removal Using Dark Channel Prior, 2011; the published code takes,
 of the 0.1 % of pixels with the largest dark channel, one whose grey value is their median.
@@ -28,7 +28,7 @@ Overcast skies have a correlated colour temperature of 6,000 to 7,500 K and clea
 
 @dataclass(frozen=True)
 class Airlight:
-    """Atmospheric light: its levels, 0 to 255, and the pixel that it was taken from, counted from 0."""
+    """Airlight: its levels, 0 to 255, and the pixel that it was taken from, counted from 0."""
 
     red: int
     green: int
@@ -77,7 +77,7 @@ def dark_channel(image: np.ndarray) -> np.ndarray:
 
 
 def estimate(image: np.ndarray) -> Airlight:
-    """Estimate the atmospheric light of an image.
+    """Estimate the airlight of an image.
 
     Of N pixels, c = N // 1000 or one more, so that c is odd, are candidates: those with the largest dark channel,
     ties by column first and then by row. The result is the first of them whose grey value is their median.

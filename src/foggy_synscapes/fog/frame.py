@@ -19,7 +19,7 @@ def foggy_frame(
     geometry: str = "paper",
     images: Images = foggy_images,
 ) -> list[np.ndarray]:
-    """Foggy images, uint8 (H, W, 3), one per beta in 1/m, with the atmospheric light of the image itself.
+    """Foggy images, uint8 (H, W, 3), one per beta in 1/m, with the airlight of the image itself.
 
     image : uint8 (H, W, 3); depth : float32 (H, W), planar metres; raises ValueError as `optics.foggy_images` does
     images : of the fog model

@@ -1,7 +1,7 @@
 """Light through homogeneous fog: transmittance, visibility, and fog composited on 8-bit images.
 
-F(x) = t(x) R(x) + (1 - t(x)) L with t(x) = exp(-beta l(x)): R clear radiance, L atmospheric light, l distance
-along the ray. Source: Koschmieder 1924; paper, equations (1) and (2).
+F(x) = t(x) R(x) + (1 - t(x)) L with t(x) = exp(-beta l(x)): R clear radiance, L airlight (atmospheric light), l
+distance along the ray. Source: Koschmieder 1924; paper, equations (1) and (2).
 """
 
 import math

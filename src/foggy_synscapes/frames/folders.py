@@ -192,7 +192,7 @@ def _encoded(
 
 
 def take_airlight(image: np.ndarray, job: Job, done: Done) -> Airlight:
-    """Atmospheric light of a frame's image, uint8 (H, W, 3), which is noted in `done`."""
+    """Airlight of a frame's image, uint8 (H, W, 3), which is noted in `done`."""
     light, done.blue = rendering.airlight_of(image, job.treatment)
     done.frame = replace(done.frame, light=(*light.levels, light.row, light.column))
     return light

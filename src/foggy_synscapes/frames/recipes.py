@@ -1,6 +1,6 @@
 """Foggy images composited when they are read: a recipe in place of each rendered image.
 
-A recipe names the clear image, its depth, the atmospheric light and beta, and the SHA-256 of the pixels that came out
+A recipe names the clear image, its depth, the airlight and beta, and the SHA-256 of the pixels that came out
 when it was written. Who composites it gets exactly these pixels or an error, also after the code of fog has changed.
 """
 

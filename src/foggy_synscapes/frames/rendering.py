@@ -45,7 +45,7 @@ class Clear:
         if self.at_zero:
             found.append(f"{self.depth_name}: {self.at_zero} pixels at distance 0, which usually means missing depth")
         if light.levels == (0, 0, 0):
-            found.append(f"{self.rgb_name}: its atmospheric light is black, so its fog is black")
+            found.append(f"{self.rgb_name}: its airlight is black, so its fog is black")
         return found
 
     def hidden(self, betas: Sequence[str]) -> list[str]:
@@ -129,7 +129,7 @@ def read_camera(path: Path) -> Camera:
 
 
 def airlight_of(image: np.ndarray, treatment: str) -> tuple[Airlight, bool]:
-    """Atmospheric light to use, and whether the image's own is blue; `treatment` grey takes its colour away then."""
+    """Airlight to use, and whether the image's own is blue; `treatment` grey takes its colour away then."""
     light = estimate(image)
     blue = light.is_blue()
     return (light.grey() if blue and treatment == GREY else light), blue

@@ -41,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     job.add_argument("--shard", metavar="NAME", help="shard of Synscapes, e.g. 0000")
     job.add_argument("--stereo", metavar="NAME", help="shard of Cityscapes' stereo frames, e.g. 0000")
     job.add_argument("--completed", metavar="NAME", help="shard of Synscapes whose depth was completed, e.g. 0000")
-    job.add_argument("--airlight", action="store_true", help="estimate the atmospheric light only")
+    job.add_argument("--airlight", action="store_true", help="estimate the airlight only")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -104,7 +104,7 @@ def airlight(params: "Params", shard: str) -> None:
     write_csv(run.job.output("airlight"), COLUMNS, rows)
     run.finish()
     count = sum(row[6] for row in rows)
-    print(f"fog: atmospheric light of {len(rows)} frames of shard {shard}; {count} blue, fog.blue_airlight {treatment}")
+    print(f"fog: airlight of {len(rows)} frames of shard {shard}; {count} blue, fog.blue_airlight {treatment}")
 
 
 def fog(params: "Params", beta: str, shard: str, model: str | None = None) -> None:
@@ -129,7 +129,7 @@ def fog(params: "Params", beta: str, shard: str, model: str | None = None) -> No
     write_manifest(run.job.output("manifest"), members)
     run.finish()
     shutil.rmtree(finished)
-    left_out = f"; {len(dropped)} left out for their blue atmospheric light" if dropped else ""
+    left_out = f"; {len(dropped)} left out for their blue airlight" if dropped else ""
     print(f"fog: shard {shard} at beta {beta} / m{f' by {model}' if model else ''}{left_out}")
 
 

@@ -36,7 +36,7 @@ def photograph(key: tuple[int, ...], size: tuple[int, int], beta: float, trains:
 def from_stereo(scene: Scene, disparity: np.ndarray, betas: list[float]) -> list[np.ndarray]:
     """Fog on a clear photograph from its measured disparity (uint16, see `stereo.measure`), one image per beta in 1/m.
 
-    The atmospheric light is the mean of the brightest thousandth of the image.
+    The airlight is the mean of the brightest thousandth of the image.
     """
     length = ray_length(stereo.to_depth(stereo.complete(disparity), scene.rig.fx), scene.rig)
     clear = scene.rgb.reshape(-1, 3) / 255.0

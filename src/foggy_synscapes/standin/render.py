@@ -113,7 +113,7 @@ def _paint_sky(canvas: Canvas) -> None:
     if overcast:  # grey swells in the white
         canvas.rgb[sky] = white * (1 - np.clip((clouds - 0.25) * 0.12 + 0.25 * up, 0, 0.16))[:, None]
         return
-    # Blue gaps only well above the horizon: enough white is always seen for a white atmospheric light.
+    # Blue gaps only well above the horizon: enough white is always seen for a white airlight.
     height = np.clip((up - 0.07) / 0.08, 0, 1)
     gap = np.clip((clouds - 0.3) * 1.8, 0, 0.9) * height * min(1.0, (weather.sky_contrast - 2.9) / 1.6)
     canvas.rgb[sky] = _mixed(white, colour("8ebae4"), gap)

@@ -2,7 +2,7 @@
 
 Two kinds of frame. Under a veiled or clouded sky (sky_contrast 2 to 5) the brightest sky is the near-white of the
 published samples, so fog made from it is white. Under direct sun (5 to 6) the sky is cloudless and blue: the dark
-channel then takes blue for the atmospheric light and the fog turns blue, the failure case of section III of the paper.
+channel then takes blue for the airlight and the fog turns blue, the failure case of section III of the paper.
 """
 
 import math
