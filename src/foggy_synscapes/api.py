@@ -57,7 +57,8 @@ def fog(
     ----------
     image : uint8 (H, W, 3), or a file of 8-bit RGB
     depth : float32 or float64 (H, W), metres, at least 0, infinity where nothing is; or a file of such metres, see
-        `read_depth`. The arithmetic takes it in float32, in which it is exact to 6e-8 of itself
+        `read_depth`. Taken in float32, exact to 6e-8 of itself. 0 is a distance of 0, where no fog is; `foggy fog
+        --rgb` refuses it unless --missing says what it means
     beta : attenuation coefficient, 1/m, at least 0, one or several; 0 gives the image. See `attenuation`
     camera : of the image, or its JSON file; only where `depth_is` "ray" it can be left out
     airlight : three levels, 0 to 255; without it that of the image itself, see `airlight`
@@ -307,7 +308,8 @@ def read_depth(path: File, scale: float | None = None) -> np.ndarray:
     """Read depth: float32 or float64 (H, W), metres, of any format that `foggy fog --depth` takes.
 
     scale : metres per stored unit, such as 0.001 for millimetres in a 16-bit PNG; without it the file has to hold
-        metres as floating point. With it, not a number is where 0 is stored, which means that there is no depth
+        metres as floating point. With it, not a number is where 0 is stored, which means that there is no depth;
+        where that is the sky: `np.nan_to_num(depth, nan=np.inf)`
 
     Raises FoggyError if the file is missing, damaged or of another kind, or holds whole numbers without a scale.
 
@@ -315,31 +317,23 @@ def read_depth(path: File, scale: float | None = None) -> np.ndarray:
     Traceback (most recent call last):
     foggy_synscapes.errors.FoggyError: street.exr: missing...
     """
-    from foggy_synscapes.depth.decoding import Encoding, decode
-    from foggy_synscapes.io.depth_files import read_stored
-    from foggy_synscapes.io.files import read_bytes
+    from foggy_synscapes.frames import metres
 
-    stored = read_stored(read_bytes(path, "file of depth"), Path(path))
-    if scale is None and stored.dtype.kind == "f":
-        return stored.astype(np.promote_types(stored.dtype, np.float32), copy=False)
-    try:
-        return decode(stored, Encoding(scale=scale))
-    except ValueError as error:
-        raise FoggyError(f"{path}: {error}".replace("--depth-scale", "scale")) from error
+    return metres.read(Path(path), scale)
 
 
 def read_camera(path: File) -> Camera:
-    """Read a camera: JSON, {"camera": {"intrinsic": {"fx", "fy", "u0", "v0", "resx", "resy"}}} in pixels.
+    """Read a camera, in pixels: JSON with fx, fy, u0, v0, resx, resy, or what else `foggy fog --camera` takes.
 
-    Raises FoggyError if it is anything else.
+    Raises FoggyError if the file is anything else, or does not say how large the images are.
 
     >>> read_camera("camera.json")
     Traceback (most recent call last):
     foggy_synscapes.errors.FoggyError: camera.json: missing...
     """
-    from foggy_synscapes.frames import rendering
+    from foggy_synscapes.frames import cameras
 
-    return rendering.read_camera(Path(path))
+    return cameras.read_camera(Path(path))
 
 
 def _image(image: Image) -> np.ndarray:
@@ -385,13 +379,18 @@ def _rays(shape: tuple[int, ...], camera: Camera | File | None, geometry: str, d
         raise ValueError(f"depth_is: {depth_is!r}, expected 'z' (along the optical axis) or 'ray'")
     if camera is None:
         raise ValueError("camera: missing; it turns depth into distance. Where it is distance: depth_is='ray'")
-    known = read_camera(camera) if isinstance(camera, File) else camera
-    if (known.resy, known.resx) != shape:
+    if isinstance(camera, File):
+        from foggy_synscapes.frames import cameras
+
+        camera = cameras.read_camera(Path(camera), shape)
+    if not isinstance(camera, Camera):
+        raise ValueError(f"camera: {type(camera).__name__}, expected Camera or a file")
+    if (camera.resy, camera.resx) != shape:
         size = f"{shape[1]} x {shape[0]}"
         raise ValueError(
-            f"camera: of {known.resx} x {known.resy} pixels, but depth has {size}; give that of the images"
+            f"camera: of {camera.resx} x {camera.resy} pixels, but depth has {size}; give that of the images"
         )
-    return rays(known, geometry)
+    return rays(camera, geometry)
 
 
 def _each(function: Any, values: Several) -> Any:

@@ -127,7 +127,7 @@ def _explanation() -> str:
         "foggy COMMAND [options]: fog on street scenes, networks trained on it, and the tables of their scores.",
         "",
         "The whole experiment:    snakemake --cores 2    or    dvc repro",
-        "Fog on your own frames:  foggy fog --synscapes ROOT --beta 0.01 --out DIR",
+        "Fog on your own frames:  foggy fog --rgb IMAGES --depth DEPTHS --camera camera.json --beta 0.01 --out DIR",
         "",
         "Steps of the experiment, in order:",
         *(_entry(word, text) for word, text in PIPELINE.items()),
@@ -141,4 +141,4 @@ def _explanation() -> str:
 
 
 def _entry(word: str, text: str) -> str:
-    return textwrap.fill(text, 100, initial_indent=f"  {word:<10}", subsequent_indent=" " * 12)
+    return textwrap.fill(text, 100, initial_indent=f"  {word:<11}", subsequent_indent=" " * 13)

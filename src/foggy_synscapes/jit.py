@@ -21,14 +21,14 @@ numba.config.DISABLE_JIT = 0
 
 
 class _Told(event.Listener):
-    """Says once that loops are compiled: it takes half a minute the first time, which would pass in silence."""
+    """Says once that loops are compiled: it takes up to half a minute the first time, which would pass in silence."""
 
     said = False
 
     def on_start(self, event: object) -> None:
         """A function is compiled, for which there is no machine code yet."""
         if not self.said:
-            print("compiling for this processor, once: about half a minute", file=sys.stderr, flush=True)
+            print("compiling what this needs, kept for the next run: up to half a minute", file=sys.stderr, flush=True)
             self.said = True
 
     def on_end(self, event: object) -> None:

@@ -1,5 +1,6 @@
 """The functions of the package: equal to the commands, and every wrong argument named."""
 
+import inspect
 import json
 from pathlib import Path
 
@@ -40,6 +41,8 @@ def test_the_name_fog_is_a_package_that_can_be_called() -> None:
     import foggy_synscapes.fog.geometry as geometry
 
     assert fs.fog is fog
+    assert inspect.signature(fog) == inspect.signature(api.fog)
+    assert "attenuation coefficient, 1/m" in fog.__doc__
     assert fog.optics is optics
     assert geometry.straight((1, 1)).shape == (1, 1)
     assert fs.Camera is Camera is CameraOfTheCore
@@ -171,6 +174,24 @@ def test_a_camera_is_read(tmp_path: Path) -> None:
     assert fs.read_camera(tmp_path / "camera.json") == CAMERA
 
 
+def test_a_camera_of_the_command_is_that_of_the_functions(tmp_path: Path) -> None:
+    """Its numbers side by side, with the size of the images or without."""
+    image, depth = content(1)
+    numbers, path = vars(CAMERA), tmp_path / "flat.json"
+    path.write_text(json.dumps(numbers))
+    assert fs.read_camera(path) == CAMERA
+    np.testing.assert_array_equal(fog(image, depth, 0.02, path), fog(image, depth, 0.02, CAMERA))
+    path.write_text(json.dumps({name: numbers[name] for name in ("fx", "fy", "u0", "v0")}))
+    np.testing.assert_array_equal(fs.distance(depth, path), fs.distance(depth, CAMERA))
+    with pytest.raises(FoggyError, match=r"flat\.json: does not say how large its images are"):
+        fs.read_camera(path)
+    path.write_text(json.dumps(numbers | {"resx": 41}))
+    with pytest.raises(ValueError, match="camera: of 41 x 24 pixels, but depth has 40 x 24"):
+        fog(image, depth, 0.02, path)
+    with pytest.raises(ValueError, match="camera: dict, expected Camera or a file"):
+        fog(image, depth, 0.02, numbers)
+
+
 def test_depth_is_read_in_the_formats_of_the_command(tmp_path: Path) -> None:
     metres = np.array([[1.5, 0.0], [2.0, 300.0]])
     np.save(tmp_path / "metres.npy", metres)
@@ -178,7 +199,9 @@ def test_depth_is_read_in_the_formats_of_the_command(tmp_path: Path) -> None:
     np.testing.assert_array_equal(fs.read_depth(tmp_path / "metres.npy"), metres)
     found = fs.read_depth(tmp_path / "centimetres.png", scale=0.01)
     np.testing.assert_allclose(found, np.where(metres == 0, np.nan, metres))
-    with pytest.raises(FoggyError, match=r"unit it does not tell. Give metres per unit by scale, e\.g\. 0\.001"):
+    with pytest.raises(
+        FoggyError, match=r"unit it does not tell. Give metres per unit by read_depth\(path, scale\), e\.g\. 0\.001"
+    ):
         fs.read_depth(tmp_path / "centimetres.png")
     view = np.zeros((2, 2, 3), np.uint8)
     ray = fog(view, metres, 0.01, depth_is="ray", airlight=(200, 200, 200))

@@ -23,6 +23,18 @@ def test_every_command_is_a_stage_and_explained() -> None:
         assert "--params" in parser.format_help()
 
 
+def test_help_sets_words_apart_from_what_they_do(capsys) -> None:
+    assert main(["--help"]) == 0
+    said = capsys.readouterr().out.split("\n")
+    for word, text in {**cli.PIPELINE, **cli.TOOLS}.items():
+        assert any(line.startswith(f"  {word} ") and text[:20] in line for line in said), word
+
+
+def test_a_params_file_is_checked_that_stands_behind_the_option(capsys) -> None:
+    assert main(["params", "--check", "nowhere.yaml"]) == 1
+    assert "nowhere.yaml: missing" in capsys.readouterr().err
+
+
 def completed(*words: str) -> list[str]:
     """What bash offers for the last of the words that stand on the command line."""
     script = subprocess.run(

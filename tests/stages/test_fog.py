@@ -257,7 +257,8 @@ def test_missing_depth_values_and_black_images_are_warned_about(root: Path, tmp_
 def test_blue_airlight_is_reported_and_answered_as_asked(tmp_path: Path, capsys, answer: str) -> None:
     root, out = write_frames(tmp_path / "synscapes", 6), tmp_path / "out"
     assert fog(root, out, "--blue-airlight", answer) == 0
-    assert re.search("blue atmospheric light in 1 frames, .*: 5\n", capsys.readouterr().out)
+    said = {"keep": "used as it is", "drop": "left out", "grey": "made grey"}[answer]
+    assert re.search(f"blue atmospheric light in 1 frames, .*{said}.*: 5\n", capsys.readouterr().out)
     path = out / "beta_0.02/foggy_img/00005_beta_0.02.png"
     row = read_csv(out / "airlight.csv")[4]
     if answer == "drop":

@@ -104,6 +104,7 @@ def test_whole_numbers_are_depth_by_their_scale(here: Path, scale: str) -> None:
 CAMERAS: dict[str, str] = {
     "plain": json.dumps({"fx": FX, "fy": FX, "cx": 20.0, "cy": 12.0, "width": 40, "height": 24}),
     "matrix": json.dumps({"K": [[FX, 0, 20], [0, FX, 12], [0, 0, 1]]}),
+    "matrix in a row": json.dumps({"K": [FX, 0, 20, 0, FX, 12, 0, 0, 1]}),
     "cityscapes": json.dumps({"intrinsic": {"fx": FX, "fy": FX, "u0": 20, "v0": 12}, "extrinsic": {"baseline": 0.2}}),
     "synscapes": json.dumps({"camera": {"intrinsic": PLAIN | {"resx": 40, "resy": 24}, "extrinsic": {}}}),
     "object": f"P0: 1 0 0 0 0 1 0 0 0 0 1 0\nP2: {FX} 0 20 5 0 {FX} 12 0 0 0 1 0\nR0_rect: 1 0 0 0 1 0 0 0 1\n",
@@ -177,6 +178,36 @@ def test_odd_betas_are_asked_back(here: Path, capsys, beta: str, said: str) -> N
     write_bytes(here / "depth/a.npy", npy(DEPTH))
     assert main(["fog", *PLACE, "--beta", beta, "--out", "out"]) == 0
     assert said in capsys.readouterr().err
+
+
+def test_metres_of_visibility_are_no_slip_of_a_digit(here: Path, capsys) -> None:
+    write_bytes(here / "depth/a.npy", npy(DEPTH))
+    assert main(["fog", *PLACE, "--visibility", "20", "--out", "out"]) == 0
+    assert "did you mean" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (PLACE, "give --beta or --visibility; --out"),
+        ([*PLACE, "--out", "out"], "give --beta or --visibility"),
+        ([*PLACE, "--visibility", "150"], "give --out"),
+        (["--beta", "0.1", "--out", "out"], "give --synscapes ROOT, or --rgb DIR"),
+        ([], "give --rgb, --depth and --camera (or --synscapes, --layout, or --shard); --beta or --visibility; --out"),
+    ],
+)
+def test_only_what_is_missing_of_a_call_is_named(capsys, options: list[str], message: str) -> None:
+    error = failure(capsys, main(["fog", *options]), expected=2)
+    assert message in error
+    assert error.rstrip().endswith(message) or options[:1] == ["--beta"]
+
+
+def test_a_missing_file_of_depth_is_named_as_the_others_end(here: Path, capsys) -> None:
+    write_bytes(here / "depth/a.npy", npy(DEPTH))
+    write_bytes(here / "rgb/b.png", encode_png(IMAGE))
+    error = failure(capsys, fog())
+    assert "depth/b.npy: missing" in error
+    assert "stopped at this one of 2 frames. Correct it and give the same command again; --keep-going" in error
 
 
 @pytest.mark.parametrize("factor", [100, 1000, 0.001])

@@ -50,8 +50,9 @@ def test_airlight_density_and_geometry_are_those_asked_for(frame: list[str], tmp
     found = facts(out)
     assert (found["airlight"], found["beta"]) == ([10, 20, 30], 0.06)
     assert tuple(found["estimated"]) == estimate(content(1)[0]).levels
-    assert main([*frame, "--out", str(out)]) == 0
+    assert main([*frame, "--visibility", "150", "--out", str(out)]) == 0
     assert facts(out)["nearest"] != found["nearest"]
+    assert facts(out)["beta"] == 0.01997
 
 
 @pytest.mark.parametrize(

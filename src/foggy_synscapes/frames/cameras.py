@@ -15,7 +15,8 @@ import numpy as np
 
 from foggy_synscapes.camera import Camera
 from foggy_synscapes.errors import FoggyError
-from foggy_synscapes.io.files import named, number, parse_json
+from foggy_synscapes.frames import rendering
+from foggy_synscapes.io.files import named, number, parse_json, read_bytes
 
 NAMES = {
     "fx": ("fx",), "fy": ("fy",), "u0": ("u0", "cx"), "v0": ("v0", "cy"),
@@ -73,6 +74,23 @@ def of_fov(degrees: float, shape: tuple[int, ...]) -> Intrinsics:
     return Intrinsics(focal, focal, width / 2, height / 2, width, height)
 
 
+def read_camera(path: Path, shape: tuple[int, ...] | None = None) -> Camera:
+    """The camera of a file of any dataset, or of the header of a depth file of Synscapes.
+
+    shape : rows and columns of its images, for files that do not say them
+
+    Raises FoggyError if the file is missing or holds no camera, or nobody says how large its images are.
+    """
+    if path.suffix == ".exr":
+        return rendering.read_camera(path)
+    found = parse(read_bytes(path, "camera file", ADVICE), path)
+    rows, columns = shape or (0, 0)
+    rows, columns = found.resy or rows, found.resx or columns
+    if not (rows and columns):
+        raise FoggyError(f"{path}: does not say how large its images are. Add resx and resy, in pixels.")
+    return found.camera((rows, columns), str(path))
+
+
 def parse(data: bytes, path: Path, image: Path = Path()) -> Intrinsics:
     """The camera that a file holds.
 
@@ -102,9 +120,8 @@ def _of_json(document: Any, path: Path) -> Intrinsics:
                 found[name] = number(section[own or name])
     for key in MATRICES:
         if key in place:
-            with named(f"{path}: {key}", "matrix", "Expected three rows of three numbers."):
-                rows = np.array([[number(value) for value in row] for row in place[key]])
-                found |= _of_matrix(rows)
+            with named(f"{path}: {key}", "matrix", "Expected three rows of three numbers, or the nine in a row."):
+                found |= _of_matrix(_rows(place[key]))
     return _whole(found, path)
 
 
@@ -115,6 +132,13 @@ def _intrinsic(document: Any) -> tuple[Any, Mapping[str, Any]]:
             extrinsic = holder.get("extrinsic")
             return holder["intrinsic"], extrinsic if isinstance(extrinsic, Mapping) else {}
     return document, {}
+
+
+def _rows(matrix: Any) -> np.ndarray:
+    """A matrix as it stands in JSON: rows of numbers, or nine numbers in a row, as ROS writes them."""
+    if len(matrix) == 9:
+        matrix = [matrix[start : start + 3] for start in (0, 3, 6)]
+    return np.array([[number(value) for value in row] for row in matrix])
 
 
 def _of_matrix(rows: np.ndarray) -> dict[str, float]:

@@ -3,6 +3,7 @@
 import argparse
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -207,7 +208,15 @@ class _Place:
         some = [path for path in there if path.exists() and path != image]
         if len(some) > 1:
             raise FoggyError(f"{some[0]} and {some[1]}: which is it? Name them by a pattern: '{some[0].parent}/*.npy'")
-        return some[0] if some else there[0]
+        if some:
+            return some[0]
+        # Missing is a file that ends as the others do.
+        return next((path for path in there if path.suffix in self.endings and path != image), there[0])
+
+    @cached_property
+    def endings(self) -> set[str]:
+        """Endings of the files in the folder."""
+        return {path.suffix for path in self.pattern.base.rglob("*")}
 
 
 def _images(rgb: str, out: Path) -> list[tuple[Path, tuple[str, ...]]]:

@@ -111,15 +111,22 @@ def _model(text: str) -> str:
 
 def run(args: argparse.Namespace, code: str) -> None:
     """Fog the frames that the command line names; `code` is the digest of the code that renders."""
+    typed = betas_of(args.beta or [])
     betas = betas_of([*(args.beta or []), *of_visibility(args.visibility or [])])
     if args.out is None or not betas:
-        raise UsageError(
-            "give --beta and --out, and --synscapes, --layout, or --rgb, --depth and --camera (or --shard)"
-        )
+        named = args.rgb or args.synscapes or args.layout
+        lacking = {
+            "--rgb, --depth and --camera (or --synscapes, --layout, or --shard)": named,
+            "--beta or --visibility": betas,
+            "--out": args.out,
+        }
+        raise UsageError(f"give {'; '.join(option for option, value in lacking.items() if not value)}")
     for beta in betas:
         if float(beta):
             print(f"fog: beta {beta} / m is a visibility of {meteorological_optical_range(float(beta)):,.3g} m")
-        for warning in filter(None, (lighter_than_fog(float(beta)), denser_than_usual(float(beta)))):
+        # Who says metres has not slipped a digit of 1/m.
+        asked = denser_than_usual(float(beta)) if beta in typed else None
+        for warning in filter(None, (lighter_than_fog(float(beta)), asked)):
             print(f"warning: {warning}", file=sys.stderr)
     options = args.geometry, args.transmittance, args.png_level, args.blue_airlight, args.model or HOMOGENEOUS
     job, camera = folders.Job(args.out, betas, *options), None
@@ -241,7 +248,8 @@ def fog(
     for warning in _shortened(total.warnings):
         print(f"warning: {warning}", file=sys.stderr)
     if blue:
-        answer = {"keep": "kept", "drop": "left out", "grey": "made grey"}[job.treatment]
+        kept = "as of a clear sky, and used as it is (otherwise: --blue-airlight grey or drop)"
+        answer = {"keep": kept, "drop": "left out", "grey": "made grey"}[job.treatment]
         print(f"{word}: blue atmospheric light in {len(blue)} frames, {answer}: {', '.join(_shortened(blue))}")
     if total.again:
         print(f"{word}: {total.again} images in {job.out} were not as these inputs make them, and were made again")
@@ -251,8 +259,11 @@ def fog(
         f"{seconds:.1f} s, {total.made / seconds:.1f} images/s, {total.bytes / 1e6:.1f} MB in {job.out}"
     )
     if broken:
-        rest = "" if keep_going else "; repair it and run the command again, or add --keep-going to finish the others"
-        raise FoggyError("\n".join(broken.values()) + f"\n{len(broken)} of {len(frames)} frames broken{rest}")
+        end = f"{len(broken)} of {len(frames)} frames broken"
+        if not keep_going:
+            again = "Correct it and give the same command again; --keep-going passes over such frames"
+            end = f"stopped at this one of {len(frames)} frames. {again}"
+        raise FoggyError("\n".join([*broken.values(), end]))
 
 
 def _camera(frames: list[Frame], camera: Path | None) -> str:

@@ -26,7 +26,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
         "--check",
-        action="store_true",
+        nargs="?",
+        const="",
+        metavar="FILE",
         help="only check, also what a run would lack: datasets, start weights, lists as long as a batch",
     )
     what.add_argument("--summary", action="store_true", help="print what the experiment consists of, a line each")
@@ -36,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Run the command."""
-    if args.check and args.out is not None:
+    if args.check is not None and args.out is not None:
         raise UsageError("--check writes nothing; leave out --out")
     text = _asked(args)
     if args.out is None:
@@ -52,11 +54,11 @@ def _asked(args: argparse.Namespace) -> str:
 
         defaults = resolved.document(check({}, "defaults"))
         return reference.json_schema() if args.schema else reference.markdown(defaults)
-    path = args.file or args.params
+    path = args.file or Path(args.check or args.params)
     params = check({}, "defaults") if args.defaults else load(path)
     for warning in params.warnings():
         print(f"{path}: warning: {warning}", file=sys.stderr)
-    if args.check:
+    if args.check is not None:
         _check(path, params)
         return f"{path}: good\n"
     return "\n".join(summary(params)) + "\n" if args.summary else resolved.text(params)

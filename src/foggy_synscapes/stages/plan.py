@@ -94,7 +94,9 @@ def _lines(plan: Plan, rates: dict[str, float]) -> list[str]:
         rows.append((network, f"{len(own)} trainings, {images:,} images seen, {looks:,} validations"))
         if network in rates:
             rows.append(("", f"{_hours(plan, network, rates[network]):,.1f} h at {rates[network]:g} training images/s"))
-        rows.append(("", ", ".join(f"{kind} {cost / 1e15:,.3g}" for kind, cost in spent.items()) + " x 10^15"))
+        rows.append(
+            ("", ", ".join(f"{kind} {cost / 1e15:,.3g}" for kind, cost in spent.items()) + " x 10^15 multiply-adds")
+        )
     rows.append(("multiply-adds", f"{sum(plan.multiply_adds.values()) / 1e15:,.4g} x 10^15"))
     rows.append(("disk", f"{plan.disk_bytes / 1e9:,.3g} GB"))
     return [f"{name:<14}{text}" for name, text in rows]

@@ -13,6 +13,7 @@ from foggy_synscapes.fog.geometry import GEOMETRIES
 from foggy_synscapes.frames import own_frames
 from foggy_synscapes.frames.given import GivenFrame, GivenJob
 from foggy_synscapes.frames.rendering import KEEP, airlight_of
+from foggy_synscapes.frames.standalone import of_visibility
 from foggy_synscapes.io.atomic import write_text
 from foggy_synscapes.view.frame import frame_page
 
@@ -35,9 +36,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--camera", type=Path, metavar="FILE", help="its camera; or its depth file, if the header has one"
     )
     frame.add_argument("--out", type=Path, metavar="FILE", help="where to write the page, e.g. frame.html")
-    frame.add_argument(
-        "--beta", type=float, default=0.02, metavar="B", help="1/m, with which the page begins (default: 0.02)"
-    )
+    density = frame.add_mutually_exclusive_group()
+    density.add_argument("--beta", type=float, metavar="B", help="1/m, with which the page begins (default: 0.02)")
+    density.add_argument("--visibility", metavar="METRES", help="the same by visibility: 150 is --beta 0.01997")
     frame.add_argument(
         "--airlight", metavar="R,G,B", help="levels from 0 to 255 with which it begins (default: estimated)"
     )
@@ -70,13 +71,16 @@ def run(args: argparse.Namespace) -> None:
         raise UsageError("a frame is --rgb, --depth, --out and --camera, or --fov or --intrinsics in its place")
     if args.test_set:
         raise UsageError("--test-set belongs to --results")
-    if not 0 <= args.beta < float("inf"):
-        raise UsageError(f"--beta {args.beta}: expected a number of 1/m from 0 on, e.g. 0.02")
+    beta = 0.02 if args.beta is None else args.beta
+    if args.visibility is not None:
+        beta = float(of_visibility([args.visibility])[0])
+    if not 0 <= beta < float("inf"):
+        raise UsageError(f"--beta {beta}: expected a number of 1/m from 0 on, e.g. 0.02")
     light = None if args.airlight is None else _levels(args.airlight)
     job = GivenJob(args.out.parent, [], args.geometry, False, 0, KEEP, **own_frames.settings(args))
     camera = args.camera or args.depth  # a file that says nothing of a camera is not asked for one
     frame = GivenFrame(args.rgb.stem, args.rgb, args.depth, camera, in_depth=args.camera == args.depth)
-    frame_view(job, frame, args.out, args.beta, light)
+    frame_view(job, frame, args.out, beta, light)
 
 
 def frame_view(
