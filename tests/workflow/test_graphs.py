@@ -124,7 +124,7 @@ COUNTED = {
     "evaluate": "datasets io labels networks scoring stages",
     "tables": "datasets depth io labels networks scoring stages tables",
     "figures": "camera datasets figures fog io jit labels networks scoring stages training",
-    "view": "camera datasets depth figures fog frames io jit labels networks scoring stages view",
+    "view": "betas camera datasets depth figures fog frames io jit labels networks scoring stages view",
     "stability": "camera datasets figures fog io jit labels networks scoring stability stages tables training",
 }
 
