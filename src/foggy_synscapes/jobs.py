@@ -174,6 +174,11 @@ class Job:
         """All files that it reads, each once."""
         return [Path(path) for path in dict.fromkeys(self.step.all_inputs(self.params, self.values))]
 
+    def awaited(self) -> list[Path]:
+        """All files that have to be there before it runs: those that it reads, and those that it only waits for."""
+        waits = self.step.waits(self.params, self.values) if self.step.waits else []
+        return [*self.read(), *map(Path, waits)]
+
     def outputs(self, *names: str) -> list[Path]:
         """Files that it writes under these names, or all of them but its record."""
         chosen = names or [name for name in self.step.outputs if name != "record"]

@@ -35,8 +35,7 @@ def name(job: Job) -> str:
 
 def reads(job: Job) -> list[str]:
     """Files that have to be there before a job runs."""
-    waits = job.step.waits(job.params, job.values) if job.step.waits else []
-    return [path.as_posix() for path in job.read()] + list(waits)
+    return [path.as_posix() for path in job.awaited()]
 
 
 def writes(job: Job) -> list[str]:

@@ -42,7 +42,7 @@ def jobs(params: Params, targets: Iterable[str] = ("all",)) -> list[Job]:
         number = waiting.pop()
         if number not in needed:
             needed.add(number)
-            waiting += [maker[path] for path in _awaited(every[number]) if path in maker]
+            waiting += [maker[path] for path in map(str, every[number].awaited()) if path in maker]
     return [every[number] for number in sorted(needed)]
 
 
@@ -53,8 +53,3 @@ def _named(params: Params, target: str) -> list[Job]:
     chosen = [step for step in steps() if step.name in names or (step.word in names and step.default)]
     chosen = chosen or [step for step in steps() if step.word in names]
     return [Job(step, params, values) for step in chosen for values in step.all_values(params)]
-
-
-def _awaited(job: Job) -> list[str]:
-    waits = job.step.waits(job.params, job.values) if job.step.waits else []
-    return [*map(str, job.read()), *waits]

@@ -50,8 +50,7 @@ class Node:
     @property
     def awaited(self) -> tuple[str, ...]:
         """Files that have to be there before it runs."""
-        step, values = self.job.step, (self.job.params, self.job.values)
-        return (*self.read, *(step.waits(*values) if step.waits else ()))
+        return _texts(self.job.awaited())
 
     @property
     def is_there(self) -> bool:
